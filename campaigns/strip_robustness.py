@@ -34,7 +34,7 @@ from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.models import contact_model
 from wrsim.contact.prescribed_load import meet_load
 from wrsim.contact.profiles.models import load_profile
-from wrsim.contact.records import STATUS_IN_A_JUMP, STATUS_NOT_CONVERGED
+from wrsim.contact.records import STATUS_DISCONTINUOUS, STATUS_NOT_CONVERGED
 from wrsim.contact.settings import USUAL, ContactSettings
 from wrsim.contact.status import UNSOLVED, status_words
 from wrsim.simulation.pose_solver import PoseSolver
@@ -198,7 +198,7 @@ def loads(arguments: argparse.Namespace) -> dict[str, object]:
             where = f"y {lateral:.9f} yaw {yaw:.9f} roll {roll:.9f} load {search['load']:.3f}"
             print(f"{status_words(status & UNSOLVED)}: {pairs[pair]} {where}, {residuals[i]} residuals", flush=True)
         count += Counter(
-            jumps=bool(status & STATUS_IN_A_JUMP), unsolved=bool(status & STATUS_NOT_CONVERGED),
+            jumps=bool(status & STATUS_DISCONTINUOUS), unsolved=bool(status & STATUS_NOT_CONVERGED),
             kik_piotrowski=not status & UNSOLVED and int(a.rows.memo[0].strips) == 0 and float(a.total["Fb"]) > 0.0,
             fewer=0 < int(a.rows.memo[0].strips) < STRIPS,
         )  # fmt: skip

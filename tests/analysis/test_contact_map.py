@@ -7,7 +7,7 @@ from support.contacts import RADIUS, rail_profile, wheel_profile
 
 from wrsim import ContactSettings, InputError, contact_map
 from wrsim.contact.batch import LOAD_TOLERANCE
-from wrsim.contact.records import STATUS_BESIDE
+from wrsim.contact.records import STATUS_NO_CONTACT
 
 LOAD = 55e3
 
@@ -25,7 +25,7 @@ def test_the_table_holds_every_combination_with_units_and_comes_back_from_its_fi
     assert on["Q"].values == pytest.approx(np.broadcast_to(table["load"].values, on["Q"].shape), rel=LOAD_TOLERANCE)
     beside = table.isel(shift=2)
     assert beside["Q"].isnull().all()
-    assert (beside["status"].values & STATUS_BESIDE).all()
+    assert (beside["status"].values & STATUS_NO_CONTACT).all()
     xr.testing.assert_identical(xr.load_dataset(file), table)
     with pytest.raises(InputError, match="shifts: must be"):
         contact_map(wheel, rail, RADIUS, [])

@@ -14,7 +14,7 @@ from wrsim.contact.search.locus import LARGEST_SINE, locus_node, locus_point
 from wrsim.contact.surfaces.out_of_round import shape_tables
 from wrsim.contact.surfaces.profile_table import profile_point
 from wrsim.contact.surfaces.wheel_shape import depth_at
-from wrsim.contact.wheel_rail import bodies
+from wrsim.contact.wheel_rail import place_bodies
 
 table = rows_of(__file__)
 
@@ -98,7 +98,7 @@ def test_the_curvature_of_a_wave_is_that_of_its_second_derivative(order, crest):
     own = contact_model(wheel, rail, R, settings, out_of_round=[Harmonic(order, a)])
     angle = 0.0 if crest > 0.0 else np.pi / order
     own.evaluate((0.0, 0.0, R - 1e-5 + crest * a), wheel_angle=angle)
-    seen = bodies(own.arrays.rows)[0]
+    seen = place_bodies(own.arrays.rows)[0]
     seen = seen._replace(shape=seen.shape._replace(averaged=0.0))
     if crest > 0.0 or order == 1:  # a trough of a polygon does not touch: its neighbours do
         at = locus_point(seen, 0.03)
@@ -165,7 +165,7 @@ def test_a_table_is_the_surface_that_it_was_made_of():
     table = RadiusTable(angle, across, surface(angle[:, None], across))
     own = contact_model(cone("c", "wheel", 0.0, -0.03, 0.03), circle("r", "rail", 0.3, 0.05), R, out_of_round=[table])
     own.evaluate((0.0, 0.0, R))
-    shape = bodies(own.arrays.rows)[0].shape
+    shape = place_bodies(own.arrays.rows)[0].shape
     for a, u in ((0.1, 0.0), (3.3, 0.012), (6.28, -0.02), (-40.0, 0.0299)):
         at = depth_at(shape, u, a)
         assert_allclose(at.d, -surface(a, u), atol=1e-9)

@@ -19,7 +19,7 @@ from wrsim.contact.records import WheelPose as WheelPose
 from wrsim.contact.search.locus import placed
 from wrsim.contact.settings import Material
 from wrsim.contact.strips.records import System
-from wrsim.contact.wheel_rail import bodies
+from wrsim.contact.wheel_rail import place_bodies
 from wrsim.jit.linalg import Vec
 from wrsim.simulation.pose_solver import PoseSolver, Solved
 
@@ -140,6 +140,6 @@ def strips_of(contact: Contact, group: float | None = None) -> Array:
 def strip_system(model: ContactModel) -> tuple[System, int]:
     """What the kernels of the strip model work on, in the state of the last call, and how many strips a grid has."""
     a = model.arrays.rows
-    wheel, rail, _pose = bodies(a)
+    wheel, rail, _pose = place_bodies(a)
     system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     return system, int(model.arrays.model.strips)

@@ -38,7 +38,7 @@ from wrsim.contact.strips.equations import residuals
 from wrsim.contact.strips.records import UNKNOWNS_PER_STRIP, V
 from wrsim.contact.surfaces.rail import unfold
 from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
-from wrsim.contact.wheel_rail import STAGES, bodies, compile_stages
+from wrsim.contact.wheel_rail import STAGES, compile_stages, place_bodies
 from wrsim.dynamics.kinematics import first_not_finite, is_near
 from wrsim.dynamics.rigid_body import kinetic_energies
 from wrsim.jit.cache import PACKAGE, sources
@@ -381,7 +381,7 @@ def main(form: str = "") -> object:
         for kernel in (residuals, jacobian):
             kernel(*strip_system(pair_model(PAIR, normal="strips", **SMALL)))
         settle(bench(pair_model(PAIR, normal="strips", **SMALL), rolling=False), 0.0, 0.0, 1e4)
-        locus_point(bodies(pair_model(PAIR, **SMALL).arrays.rows)[0], 0.03)
+        locus_point(place_bodies(pair_model(PAIR, **SMALL).arrays.rows)[0], 0.03)
         compile_stages(*STAGES)
         return kept_object({f"wrsim_stage_{number}": stage for number, stage in STAGES.items()})
     kernels()  # all are imported

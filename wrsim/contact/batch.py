@@ -60,10 +60,10 @@ def search_for(
     first height with contact [m].
     """
     load, start = np.broadcast_arrays(np.asarray(load, dtype=float), np.asarray(start, dtype=float))
-    own = np.zeros(load.shape, SEARCH)
-    own["load"], own["start"], own["tolerance"], own["farthest"] = load, start, tolerance, farthest
-    own["scale"] = np.maximum(np.cbrt(9.0 * load**2 / (16.0 * modulus**2 * radius)), LEAST_SCALE)
-    return own
+    searches = np.zeros(load.shape, SEARCH)
+    searches["load"], searches["start"], searches["tolerance"], searches["farthest"] = load, start, tolerance, farthest
+    searches["scale"] = np.maximum(np.cbrt(9.0 * load**2 / (16.0 * modulus**2 * radius)), LEAST_SCALE)
+    return searches
 
 
 def evaluate_poses(
@@ -106,17 +106,17 @@ def evaluate_poses(
         begin = int(index[i, 0])
         return buffers[:, begin : begin + like.nbytes // 8].view(like.dtype).reshape(count, *like.shape)
 
-    at, asked, totals, found = (view(i, part) for i, part in enumerate(parts))
+    placed, asked, totals, lobes_of = (view(i, part) for i, part in enumerate(parts))
     view(len(parts) + inputs._fields.index("call"), inputs.call)["place"] = place
     mine = [(t, slice(t * share, min((t + 1) * share, n))) for t in range(count) if t * share < n]
-    own = search_for(wanted, rows[:, 2], number.radius, number.E)
+    asked_of_all = search_for(wanted, rows[:, 2], number.radius, number.E)
     try:
-        own["angle"] = np.asarray(wheel_angle, dtype=float)
+        asked_of_all["angle"] = np.asarray(wheel_angle, dtype=float)
     except ValueError:
         raise InputError(f"wheel_angle: must be one angle or {n}, one a pose, not {np.shape(wheel_angle)}") from None
     for t, part in mine:
         size = part.stop - part.start
-        at[t, :size], asked[t, :size] = rows[part], own[part]
+        placed[t, :size], asked[t, :size] = rows[part], asked_of_all[part]
     if count == 1:
         some_poses(buffers[0], index)
     else:
@@ -124,7 +124,7 @@ def evaluate_poses(
     raw = RawContacts(np.zeros((n, 1, lobes), k.LOBE), np.zeros((n, 1), k.TOTAL))
     for t, part in mine:
         size = part.stop - part.start
-        rows[part], raw.patches[part, 0], raw.totals[part, 0] = at[t, :size], found[t, :size], totals[t, :size]
+        rows[part], raw.patches[part, 0], raw.totals[part, 0] = placed[t, :size], lobes_of[t, :size], totals[t, :size]
     total = raw.totals[:, 0]
     of = {name: values[:, 0] for name, values in patch_channels(raw).items()}
     force, moment = (np.stack([total[m + axis] for axis in "tob"], axis=-1) for m in "FM")

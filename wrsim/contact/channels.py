@@ -70,8 +70,14 @@ def contact_channels(
         channels["y_contact"][:, i] += left[:, i, None]
         channels["z_contact"][:, i] += b + up[:, i, None]
     t = raw.totals
-    own = {"Y": -t["Fo"], "Q": t["Fb"], "X": -t["Ft"], "T_gamma": t["wear"], "n_patches": t["patches"].astype(float)}
-    return own | {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
+    from_totals = {
+        "Y": -t["Fo"],
+        "Q": t["Fb"],
+        "X": -t["Ft"],
+        "T_gamma": t["wear"],
+        "n_patches": t["patches"].astype(float),
+    }
+    return from_totals | {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
 
 
 @dataclass(frozen=True)
@@ -111,16 +117,16 @@ class StripRecorder:
         raw = RawContacts.empty(1, len(wheels), patches)
         for i, wheel in enumerate(wheels):
             raw.store(0, i, wheel.model.arrays)
-        found, strips = patches_of(raw), {}
-        for i, j in zip(*np.nonzero(found.present[0]), strict=True):
-            a, main = wheels[i].model.arrays, found.main[0, i, j]
+        members, strips = patches_of(raw), {}
+        for i, j in zip(*np.nonzero(members.present[0]), strict=True):
+            a, main = wheels[i].model.arrays, members.main[0, i, j]
             parts = []
-            for lobe in np.flatnonzero(found.member[0, i, j]):
-                own = a.strips[lobe, : a.patches[lobe].n_strips].copy()
-                own["s"] += a.patches["arc_rail"][lobe] - a.patches["arc_rail"][main]
-                parts.append(own)
+            for lobe in np.flatnonzero(members.member[0, i, j]):
+                strip_rows = a.strips[lobe, : a.patches[lobe].n_strips].copy()
+                strip_rows["s"] += a.patches["arc_rail"][lobe] - a.patches["arc_rail"][main]
+                parts.append(strip_rows)
             strips[int(i), int(j)] = np.concatenate(parts)
-        fields = {(i, j): patch for i, own in enumerate(elements) for j, patch in enumerate(own)}
+        fields = {(i, j): patch for i, strip_rows in enumerate(elements) for j, patch in enumerate(strip_rows)}
         outlines = np.stack([np.concatenate((wheel_outline(w), rail_outline(w))) for w in wheels])
         poses = np.stack([w.model.arrays.pose for w in wheels])
         self.moments.append(_Moment(strips, outlines, poses, fields if len(self.moments) < MOST_FIELDS else {}))
@@ -135,12 +141,12 @@ class StripRecorder:
         if not self.moments:
             return {}
         patches = self.wheels[0].model.arrays.patches.shape[0]
-        most = max((len(own) for m in self.moments for own in m.strips.values()), default=1)
+        most = max((len(row) for m in self.moments for row in m.strips.values()), default=1)
         table = np.zeros((len(self.moments), len(self.wheels), patches, max(most, 1)), k.STRIP)
         table.view(np.float64)[...] = np.nan
         for m, moment in enumerate(self.moments):
-            for (i, j), own in moment.strips.items():
-                table[m, i, j, : len(own)] = own
+            for (i, j), row in moment.strips.items():
+                table[m, i, j, : len(row)] = row
         result = {name: table[column] for name, column in _STRIP_CHANNELS.items()}
         result["strip_angle"] = contact_angles(table["no"], table["nb"])
         for i, name in enumerate(("wheel_profile_y", "wheel_profile_z", "rail_profile_y", "rail_profile_z")):
@@ -151,15 +157,17 @@ class StripRecorder:
 
     def _elements(self, shape: tuple[int, ...]) -> dict[str, Array]:
         """Channels of the elements, if any were stored; shape: moments, wheels, patches, strips."""
-        fields = {(m, *at): patch for m, moment in enumerate(self.moments) for at, patch in moment.elements.items()}
+        fields = {
+            (m, *place): patch for m, moment in enumerate(self.moments) for place, patch in moment.elements.items()
+        }
         if not fields:
             return {}
         columns = max(patch.x.size for patch in fields.values())
         x, values = np.full((*shape[:3], columns), np.nan), np.full((3, *shape, columns), np.nan)
-        for at, patch in fields.items():
-            rows, own = patch.p.shape
-            x[at][:own] = patch.x
-            values[(slice(None), *at)][:, :rows, :own] = patch.p, *patch.q
+        for place, patch in fields.items():
+            rows, width = patch.p.shape
+            x[place][:width] = patch.x
+            values[(slice(None), *place)][:, :rows, :width] = patch.p, *patch.q
         return {"element_x": x} | dict(zip(("element_p", "element_qx", "element_qs"), values, strict=True))
 
 

@@ -1,20 +1,13 @@
 """Normal pressure after Kik and Piotrowski on a curved patch [S 23-31].
 
-Every strip carries a semi-ellipse p0 / x_L(0) sqrt(x_L(s)^2 - x^2) [S 28]; p0 follows from the displacement at the
-main point, where the two surfaces together must yield the approach [S 29]:
+Every strip carries a semi-ellipse (norm-p); p0 follows from the displacement at the main point, where the two surfaces
+together must yield the approach (norm-p0); for equal materials E* is the paper's E / (2 (1 - sigma^2)). The inner
+integral is known (norm-inner); it has a logarithm at s = 0 that is integrated in closed form, so the sum over strips
+converges at second order.
 
-    p0 = pi E* delta x_L(0) / I,   I = int ds int dx sqrt(x_L(s)^2 - x^2) / sqrt(x^2 + s^2)
-
-with 1/E* = (1 - nu_w^2)/E_w + (1 - nu_r^2)/E_r, which for equal materials is the paper's E / (2 (1 - sigma^2)).
-The inner integral is known (`strip_potential`); it has a logarithm at s = 0 that is integrated in closed
-form, so the sum over strips converges at second order.
-
-With several lobes (`contact.search.lobes`) each has its own amplitude Q = p0 / x_L(0). The displacement at every
-main point is the sum over all lobes, near or far, a far one weighted with the cosine of the angle between the normals:
-
-    (1 - c_k) (sum_j I_kj Q_j - pi E* delta_k) + c_k I_kk (Q_k - Q_partner) = 0.
-
-One lobe alone gives [S 29]; c = 1 gives one amplitude for the whole patch, again [S 29].
+With several lobes (`contact.search.lobes`) each has its own amplitude Q = p0 / x_L(0) by (norm-lobes). The displacement
+at every main point is the sum over all lobes, near or far, a far one weighted with the cosine of the angle between the
+normals. One lobe alone gives [S 29]; c = 1 gives one amplitude for the whole patch, again [S 29].
 
 Yaw shifts the strips along x but is left out of I: each strip is taken centred on the main point's x.
 """
@@ -32,18 +25,18 @@ MOST_LOBES = 6
 
 @kernel
 def bound_lobe(
-    wheel: PlacedWheel, rail: Rail, model: Record, found: Records, i: int, left: float, right: float, lobes: Records
+    wheel: PlacedWheel, rail: Rail, model: Record, contacts: Records, i: int, left: float, right: float, lobes: Records
 ) -> int:
     """Recess and edges of lobe i, at most ``left`` and ``right`` of the main point. Returns status bits; without
     contact the width is zero."""
-    lobe, own = lobes[i], found[i]
-    delta = level = own.depth
-    if model.joint and lobe.partner >= 0 and found[lobe.partner].depth > delta:
-        level += lobe.coupling * (found[lobe.partner].depth - delta)
+    lobe, contact = lobes[i], contacts[i]
+    delta = level = contact.depth
+    if model.joint and lobe.partner >= 0 and contacts[lobe.partner].depth > delta:
+        level += lobe.coupling * (contacts[lobe.partner].depth - delta)
     lobe.recess = model.recess * level
     if delta <= lobe.recess:
         return 0
-    first = first_step(delta - lobe.recess, own.curvature)
+    first = first_step(delta - lobe.recess, contact.curvature)
     lobe.end, beyond = find_edge(wheel, rail, lobe, model.projected, first, 1.0, right)
     lobe.start, before = find_edge(wheel, rail, lobe, model.projected, first, -1.0, left)
     lobe.width = lobe.end - lobe.start
@@ -97,9 +90,9 @@ def press_lobes(model: Record, pose: WheelPose, lobes: Records, strips: Records,
         if n == 0:
             continue
         set_creepages(pose, model.least_speed, lobe, strips[i], n)
-        own = own_influence(strips[i], n, lobe.half_length)
+        influence = own_influence(strips[i], n, lobe.half_length)
         if count == 1:
-            amplitude[0] = stiffness * lobe.approach / own
+            amplitude[0] = stiffness * lobe.approach / influence
             break
         share = lobe.coupling
         for j in range(count):
@@ -109,11 +102,11 @@ def press_lobes(model: Record, pose: WheelPose, lobes: Records, strips: Records,
                 if facing > 0.0:
                     far = far_influence(strips[j], other.n_strips, lobe.o, lobe.b)
                     matrix[i, j] = (1.0 - share) * facing * far
-        matrix[i, i] = own
+        matrix[i, i] = influence
         matrix[i, count] = (1.0 - share) * stiffness * lobe.approach
         partner = lobe.partner
         if partner >= 0 and lobes[partner].n_strips > 0:
-            matrix[i, partner] -= share * own
+            matrix[i, partner] -= share * influence
     if count > 1:
         solve_amplitudes(matrix, count, rows, amplitude, pivot)
     for i in range(count):

@@ -240,8 +240,8 @@ class ContactModel:
     @property
     def friction_here(self) -> Friction:
         """The law of friction at the place set in the arrays."""
-        own = self.friction
-        return own if isinstance(own, Friction) else own.at(self.arrays.inputs.place + self.arrays.pose[0])
+        here = self.friction
+        return here if isinstance(here, Friction) else here.at(self.arrays.inputs.place + self.arrays.pose[0])
 
     def solve(self) -> int:
         """Contact at the pose set in the arrays, written into them; returns the status."""

@@ -111,14 +111,14 @@ def fast_model(model: ContactModel) -> ContactModel:
 
 def exact_model(model: ContactModel) -> ContactModel:
     """The same wheel on the same rail with pressures of the half-space solver, in arrays of its own."""
-    own = model.settings
+    chosen = model.settings
     settings = replace(
-        own,
+        chosen,
         normal="half-space",
-        tangential=own.creep_forces,
+        tangential=chosen.creep_forces,
         strips=None,
         strip_width=None,
-        max_patches=own.patch_count,
+        max_patches=chosen.patch_count,
     )
     return _same_bodies(model, settings)
 

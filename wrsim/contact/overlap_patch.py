@@ -6,10 +6,9 @@ measured along the bisector of the two normals [S 22]; the strip's centre is the
 tangent is the mean of the two unit tangents, because each curve is followed at unit speed, so the strip's normal is
 the bisector itself: [S 27] without a difference quotient.
 
-A strip is in contact where h(s) = eps delta c(s) - g(s) > 0, with c = 1 for the paper's constant approach and
-c = cos(theta(s) - theta0) for a rigid approach delta along the main normal ("projected"). Written with the
-penetration delta c - g of the undeformed profiles this is h = (delta c - g) - recess c, recess = (1 - eps) delta; a
-lobe beside a deeper one takes part of that one's recess (see contact.search.lobes).
+A strip is in contact where h(s) > 0 (norm-h), for the approach of (norm-c). Written with the penetration delta c - g of
+the undeformed profiles this is h = (delta c - g) - recess c, recess = (1 - eps) delta; a lobe beside a deeper one takes
+part of that one's recess (see contact.search.lobes).
 """
 
 from math import sqrt
@@ -76,9 +75,9 @@ def pair(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float, out_
 
 
 @inlined
-def _share(lobe: Record, projected: int, at: Pair) -> float:
+def _share(lobe: Record, projected: int, pair: Pair) -> float:
     """c: share of the approach that closes the gap at a pair of points."""
-    return at.no * lobe.no + at.nb * lobe.nb if projected else 1.0
+    return pair.no * lobe.no + pair.nb * lobe.nb if projected else 1.0
 
 
 @inlined

@@ -1,4 +1,4 @@
-"""Of the kernel's records: which lobes make which patch, and the quantities of patches.
+"""Quantities of patches from the kernel's records: which lobes make which patch.
 
 Raw arrays are stacked over samples and wheels, one row per lobe. Lobes that share a patch (contact.search.lobes)
 are joined here: forces and areas add up, extremes are taken over all, the main point is that of the deepest lobe.
@@ -109,5 +109,5 @@ def of_patches(raw: RawContacts, p: PatchesOf) -> dict[str, Array]:
 def patch_wear_numbers(raw: RawContacts) -> Array:
     """T-gamma of every patch [N], (sample, wheel, patch); not-a-number where there is none."""
     p = patches_of(raw)
-    own = np.where(p.member, raw.patches["wear"][..., None, :], 0.0).sum(axis=-1)
-    return np.where(p.present, own, np.nan)
+    wear = np.where(p.member, raw.patches["wear"][..., None, :], 0.0).sum(axis=-1)
+    return np.where(p.present, wear, np.nan)

@@ -22,9 +22,9 @@ from wrsim.contact.records import (
     MODEL,
     POSES,
     STATE,
-    STATUS_BESIDE,
-    STATUS_IN_A_JUMP,
+    STATUS_DISCONTINUOUS,
     STATUS_LOAD_UNSOLVED,
+    STATUS_NO_CONTACT,
     STATUS_NOT_CONVERGED,
     STATUS_OUT_OF_REACH,
     TOTAL,
@@ -145,7 +145,7 @@ def next_height(s: Record, force: float, approach: float, tolerance: float) -> i
         middle = 0.5 * (s.low + s.high)
         most_change = STEEPEST * (excess + target) / max(approach, CLOSEST) * (s.high - s.low)
         if not s.low < middle < s.high or (touches and s.low_excess - s.high_excess > most_change):
-            return STATUS_IN_A_JUMP
+            return STATUS_DISCONTINUOUS
         slow = s.bracketed % 3 == 2 and s.high - s.low > 0.5 * s.width
         if s.bracketed % 3 == 0:
             s.width = s.high - s.low
@@ -153,7 +153,7 @@ def next_height(s: Record, force: float, approach: float, tolerance: float) -> i
         if slow or not s.low < new < s.high:
             new = middle
     if s.touched == 0 and not s.start - new <= HIGHEST:
-        return STATUS_BESIDE
+        return STATUS_NO_CONTACT
     if s.touched != 0 and not abs(new - s.first) <= s.farthest:
         return STATUS_OUT_OF_REACH
     s.height = new
@@ -175,13 +175,17 @@ def approach_of(lobes: Records, total: Record) -> float:
 def _search(buffer: Array, index: Ints, s: Record, tolerance: float) -> int:
     """Search to this tolerance; the workspace then holds the contact asked for last. Returns REACHED or STATUS bits.
     The load is unsolved where the strip model takes more than MOST_RESIDUALS in all contacts together."""
-    own = index[index.shape[0] - _HELD :]
-    pose, lobes, total = vector(buffer, own, _POSE), records(buffer, own, _PATCHES, LOBE), results(buffer, own)[0]
-    memo = records(buffer, own, _MEMO, MEMO)[0]
+    contact_index = index[index.shape[0] - _HELD :]
+    pose, lobes, total = (
+        vector(buffer, contact_index, _POSE),
+        records(buffer, contact_index, _PATCHES, LOBE),
+        results(buffer, contact_index)[0],
+    )
+    memo = records(buffer, contact_index, _MEMO, MEMO)[0]
     outcome = SEARCHING
     while outcome == SEARCHING:
         pose[2] = s.height
-        stages.run(CONTACT, buffer, own)
+        stages.run(CONTACT, buffer, contact_index)
         s.residuals += 0 if total.lobes == 0 else memo.iterations
         if total.status & STATUS_NOT_CONVERGED != 0:
             return STATUS_NOT_CONVERGED
@@ -196,30 +200,30 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
     """Contact of one wheel at the height at which its vertical force is the load, from ``s.start`` on; all but the
     height is set in the workspace. Returns the status of the contact, and why the load is not met, if so; also written
     to the TOTAL record. With STATE.start = FROM_LAST the first guess is the contact of the last call."""
-    own = index[index.shape[0] - _HELD :]
-    state, memo = records(buffer, own, _STATE, STATE)[0], records(buffer, own, _MEMO, MEMO)[0]
+    contact_index = index[index.shape[0] - _HELD :]
+    state, memo = records(buffer, contact_index, _STATE, STATE)[0], records(buffer, contact_index, _MEMO, MEMO)[0]
     start = state.start
     outcome, s.residuals = SEARCHING, 0
     begin_search(s)
-    if records(buffer, own, _MODEL, MODEL)[0].normal == FREE_STRIPS:
+    if records(buffer, contact_index, _MODEL, MODEL)[0].normal == FREE_STRIPS:
         if start == COLD_START:
             memo.grids_before = 0
         state.start = FROM_LAST
-        outcome = _search(buffer, own, s, max(WARM, s.tolerance))
+        outcome = _search(buffer, contact_index, s, max(WARM, s.tolerance))
         if outcome == REACHED:
             state.start = COLD_START
             _open(s)
             if s.rate < 0.0:
-                s.height -= (_power(results(buffer, own)[0].Fb) - _power(s.load)) / s.rate
-            outcome = _search(buffer, own, s, s.tolerance)
+                s.height -= (_power(results(buffer, contact_index)[0].Fb) - _power(s.load)) / s.rate
+            outcome = _search(buffer, contact_index, s, s.tolerance)
         if outcome != REACHED and s.residuals <= MOST_RESIDUALS:  # type: ignore[operator]
             begin_search(s)
             outcome = SEARCHING
     state.start = COLD_START
     if outcome == SEARCHING:
-        outcome = _search(buffer, own, s, s.tolerance)
+        outcome = _search(buffer, contact_index, s, s.tolerance)
     state.start = start
-    total = results(buffer, own)[0]
+    total = results(buffer, contact_index)[0]
     total.status |= outcome
     return total.status
 
@@ -227,12 +231,16 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
 @kernel
 def some_poses(buffer: Array, index: Ints) -> int:
     """A stage: contacts at the poses of a workspace, each at its load. Returns 0."""
-    own = index[index.shape[0] - _HELD :]
+    contact_index = index[index.shape[0] - _HELD :]
     first = index.shape[0] - _HELD - BATCH
     poses, searches = matrix(buffer, index, first), records(buffer, index, first + 1, SEARCH)
     totals, lobes = records(buffer, index, first + 2, TOTAL), record_rows(buffer, index, first + 3, LOBE)
-    pose, found, total = vector(buffer, own, _POSE), records(buffer, own, _PATCHES, LOBE), results(buffer, own)
-    call, state = call_of(buffer, own), records(buffer, own, _STATE, STATE)[0]
+    pose, lobes_of_pose, total = (
+        vector(buffer, contact_index, _POSE),
+        records(buffer, contact_index, _PATCHES, LOBE),
+        results(buffer, contact_index),
+    )
+    call, state = call_of(buffer, contact_index), records(buffer, contact_index, _STATE, STATE)[0]
     start = COLD_START
     for i in range(poses.shape[0]):
         s = searches[i]
@@ -242,15 +250,15 @@ def some_poses(buffer: Array, index: Ints) -> int:
         call.wheel_angle = s.angle
         if s.load > 0.0:
             state.start = start
-            meet_load(buffer, own, s)
+            meet_load(buffer, contact_index, s)
             poses[i, 2] = pose[2]
             start = FROM_LAST
         else:
             state.start = COLD_START
-            stages.run(CONTACT, buffer, own)
+            stages.run(CONTACT, buffer, contact_index)
         totals[i] = total[0]
         for k in range(total[0].lobes):
-            lobes[i, k] = found[k]
+            lobes[i, k] = lobes_of_pose[k]
     state.start = COLD_START
     return 0
 

@@ -84,12 +84,12 @@ def add_lobe(pose: WheelPose, lobe: Record, strips: Records, n: int, total: Reco
     main = _frame(lobe)
     for i in range(n):
         strip = strips[i]
-        at = _frame(strip)
-        creep = mixed(strip.Fx, at.t, strip.Fy, at.n)
-        own = shifted(creep, strip.N, at.b)
-        force = add(force, own)
-        arm = sub(_on_wheel(at, strip.penetration), pose.origin)
-        moment = add(moment, shifted(cross(arm, own), strip.Mz, at.b))
+        strip_normal = _frame(strip)
+        creep = mixed(strip.Fx, strip_normal.t, strip.Fy, strip_normal.n)
+        force_on_strip = shifted(creep, strip.N, strip_normal.b)
+        force = add(force, force_on_strip)
+        arm = sub(_on_wheel(strip_normal, strip.penetration), pose.origin)
+        moment = add(moment, shifted(cross(arm, force_on_strip), strip.Mz, strip_normal.b))
         sum_x += strip.Fx
         sum_y += strip.Fy
         wear -= strip.Fx * strip.xi + strip.Fy * strip.eta + strip.Mz * strip.phi
@@ -100,7 +100,9 @@ def add_lobe(pose: WheelPose, lobe: Record, strips: Records, n: int, total: Reco
             most = max(most, half_tangent)
         sum_no += strip.N * strip.no
         sum_nb += strip.N * strip.nb
-        main_moment = add(main_moment, shifted(cross(sub(at.origin, main.origin), creep), strip.Mz, at.b))
+        main_moment = add(
+            main_moment, shifted(cross(sub(strip_normal.origin, main.origin), creep), strip.Mz, strip_normal.b)
+        )
     lobe.Fx, lobe.Fy, lobe.Mz = sum_x, sum_y, dot(main_moment, main.b)
     lobe.angle = contact_angle(lobe.no, lobe.nb)
     lobe.angle_min = 2.0 * atan(least)

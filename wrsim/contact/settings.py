@@ -124,9 +124,11 @@ class Friction:
     def of(cls, friction: "float | Friction") -> "Friction":
         """The law itself, or that of a mere coefficient. Raises InputError for what is neither."""
         law = friction if isinstance(friction, Friction) else cls(friction)
-        for own in (law.static, law.at_corner):
-            if not (isinstance(own, Real) and 0.0 <= float(own) <= MOST_FRICTION):
-                raise InputError(f"friction = {own!r:.40}: must be a number from 0 to {MOST_FRICTION:g}, or a law")
+        for coefficient in (law.static, law.at_corner):
+            if not (isinstance(coefficient, Real) and 0.0 <= float(coefficient) <= MOST_FRICTION):
+                raise InputError(
+                    f"friction = {coefficient!r:.40}: must be a number from 0 to {MOST_FRICTION:g}, or a law"
+                )
         return law
 
     @property

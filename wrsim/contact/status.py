@@ -6,9 +6,9 @@ stability analyses as a remark at the speed; an overlap ends a run and is no ste
 
 from wrsim.contact.model import MOST_STRIPS
 from wrsim.contact.records import (
-    STATUS_BESIDE,
-    STATUS_IN_A_JUMP,
+    STATUS_DISCONTINUOUS,
     STATUS_LOAD_UNSOLVED,
+    STATUS_NO_CONTACT,
     STATUS_NOT_CONVERGED,
     STATUS_NOT_REFINED,
     STATUS_OUT_OF_REACH,
@@ -30,9 +30,9 @@ WORDS = {
     STATUS_PROFILE_END: "contact reaches the end of a profile, which is continued straight there",
     STATUS_TOO_DEEP: f"wheel and rail overlap by more than {1e3 * DEEPEST:g} mm",
     STATUS_NOT_CONVERGED: "the strip model was not solved: the forces are those of Kik and Piotrowski's",
-    STATUS_BESIDE: "no contact at any height: the wheel is beside its rail",
+    STATUS_NO_CONTACT: "no contact at any height: the wheel is beside its rail",
     STATUS_OUT_OF_REACH: "the load is not reached within the approach allowed",
-    STATUS_IN_A_JUMP: "no equilibrium: the contact force is discontinuous at this load",
+    STATUS_DISCONTINUOUS: "no equilibrium: the contact force is discontinuous at this load",
     STATUS_LOAD_UNSOLVED: "the strip model does not meet this load in the residuals allowed",
     TOO_MANY: (
         f"contact needs more than {MOST_ELEMENTS} elements or {MOST_ROWS} rows of them: give larger ones "
@@ -43,10 +43,10 @@ WORDS = {
     SUBSTITUTED: "the strip model has no solution at this load: the contact is that of the half-space solver",
 }
 
-UNSOLVED = STATUS_NOT_CONVERGED | STATUS_IN_A_JUMP | STATUS_LOAD_UNSOLVED
+UNSOLVED = STATUS_NOT_CONVERGED | STATUS_DISCONTINUOUS | STATUS_LOAD_UNSOLVED
 """Bits of a prescribed load at which the strip model has no solution."""
 
-UNMET = STATUS_BESIDE | STATUS_OUT_OF_REACH | UNSOLVED
+UNMET = STATUS_NO_CONTACT | STATUS_OUT_OF_REACH | UNSOLVED
 """Bits of a prescribed load that is not met."""
 
 REMARKS = STATUS_NOT_REFINED | STATUS_PROFILE_END | SUBSTITUTED

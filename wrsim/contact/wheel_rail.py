@@ -33,7 +33,7 @@ from wrsim.contact.records import (
     read_pose,
 )
 from wrsim.contact.resultants import add_lobe
-from wrsim.contact.search.lobes import couple, room_beside, select_deepest
+from wrsim.contact.search.lobes import couple, distance_to_saddles, select_deepest
 from wrsim.contact.search.locus import locus_point, placed
 from wrsim.contact.search.points import NEAR, find_contacts
 from wrsim.contact.strips.model import solve_pressure
@@ -57,7 +57,7 @@ def turned(a: Vec, sine: float) -> Vec:
 
 @kernel
 def pose_in_rail_axes(a: Arrays) -> WheelPose:
-    """The pose in the rail's own axes, which ``bodies`` finds: turned about the rail beside the wheel's origin."""
+    """The pose in the axes of the rail that ``place_bodies`` sets: turned about the rail beside the wheel's origin."""
     pose, sine = read_pose(a.pose), a.call[0].sine
     if sine == 0.0:
         return pose
@@ -80,16 +80,16 @@ def in_track_axes(a: Arrays) -> None:
     total.Ft, total.Fo, total.Mt, total.Mo = force.x, force.y, moment.x, moment.y
     for i in range(total.lobes):
         lobe = a.patches[i]
-        at = turned(Vec(lobe.x - about, lobe.o, 0.0), -sine)
-        lobe.x, lobe.o = about + at.x, at.y
+        place = turned(Vec(lobe.x - about, lobe.o, 0.0), -sine)
+        lobe.x, lobe.o = about + place.x, place.y
         for j in range(lobe.n_strips):
             strip = a.strips[i, j]
-            at = turned(Vec(strip.x - about, strip.o, 0.0), -sine)
-            strip.x, strip.o = about + at.x, at.y
+            place = turned(Vec(strip.x - about, strip.o, 0.0), -sine)
+            strip.x, strip.o = about + place.x, place.y
 
 
 @kernel
-def bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
+def place_bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
     """The wheel in its place, the rail there, and the pose; in the own axes of a rail that runs outward."""
     model, call, state, pose = a.model[0], a.call[0], a.state[0], read_pose(a.pose)
     shape = Shape(
@@ -128,7 +128,7 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
     a = arrays(buffer, index)
     model, lobes = a.model[0], a.patches
     a.call[0].averaged = 0.0
-    wheel, rail, pose = bodies(a)
+    wheel, rail, pose = place_bodies(a)
     count, status = _search(a, wheel, rail)
     if count == 0:
         return status
@@ -157,12 +157,12 @@ def search(buffer: Array, index: Ints) -> tuple[int, int]:
     status; the closest distance is written to ``total``."""
     a = arrays(buffer, index)
     a.call[0].averaged = 0.0
-    wheel, rail, _pose = bodies(a)
+    wheel, rail, _pose = place_bodies(a)
     return _search(a, wheel, rail)
 
 
 @kernel
-def carry(buffer: Array, index: Ints, count: int) -> None:
+def apply_creep_forces(buffer: Array, index: Ints, count: int) -> None:
     """Creep forces of ``count`` lobes whose pressures are known, and the sums over all of them."""
     a = arrays(buffer, index)
     a.total[0].lobes = count
@@ -195,13 +195,13 @@ def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
 
 
 @kernel
-def _length(wheel: PlacedWheel, found: Records, count: int, eps: float) -> float:
+def _length(wheel: PlacedWheel, contacts: Records, count: int, eps: float) -> float:
     """Half length of contact of a wheel out of round where it is deepest [m]."""
     deepest = 0
     for i in range(1, count):
-        deepest = i if found[i].depth > found[deepest].depth else deepest
-    own = found[deepest]
-    return contact_length(wheel, profile_point(wheel.profile, own.arc_wheel), eps * own.depth)
+        deepest = i if contacts[i].depth > contacts[deepest].depth else deepest
+    contact = contacts[deepest]
+    return contact_length(wheel, profile_point(wheel.profile, contact.arc_wheel), eps * contact.depth)
 
 
 @kernel
@@ -219,30 +219,30 @@ def _sum_up(a: Arrays, pose: WheelPose, buffer: Array, index: Ints) -> None:
 
 
 @kernel
-def _start_lobe(wheel: PlacedWheel, rail: Rail, own: Record, lobe: Record) -> int:
+def _start_lobe(wheel: PlacedWheel, rail: Rail, contact: Record, lobe: Record) -> int:
     """Main point of a lobe that the search has found, so far without pressure. Returns status bits."""
-    on_wheel = locus_point(wheel, own.arc_wheel)
-    at, envelope = rail_and_envelope(rail, own.arc_rail)
-    lobe.approach = own.depth
-    lobe.arc_wheel = own.arc_wheel
-    lobe.arc_rail = own.arc_rail
-    lobe.no = -at.tw
-    lobe.nb = at.tu
-    lobe.slope = along(rail, envelope, at, on_wheel.x, on_wheel.to_axle).slope
+    on_wheel = locus_point(wheel, contact.arc_wheel)
+    on_rail, envelope = rail_and_envelope(rail, contact.arc_rail)
+    lobe.approach = contact.depth
+    lobe.arc_wheel = contact.arc_wheel
+    lobe.arc_rail = contact.arc_rail
+    lobe.no = -on_rail.tw
+    lobe.nb = on_rail.tu
+    lobe.slope = along(rail, envelope, on_rail, on_wheel.x, on_wheel.to_axle).slope
     lobe.n_strips = 0
     lobe.N = lobe.p0 = lobe.area = lobe.length = lobe.width = lobe.recess = 0.0
-    return STATUS_TOO_DEEP if own.depth > DEEPEST else 0
+    return STATUS_TOO_DEEP if contact.depth > DEEPEST else 0
 
 
 @kernel
-def _group(found: Records, eps: float, lobes: Records, count: int) -> None:
+def _group(contacts: Records, eps: float, lobes: Records, count: int) -> None:
     """Number the patches: neighbours whose virtual penetrations overlap share one."""
     group = -1
     for i in range(count):
         joined = (
             i > 0
-            and found[i - 1].saddle >= 0.0
-            and found[i - 1].saddle > (1.0 - eps) * min(found[i - 1].depth, found[i].depth)
+            and contacts[i - 1].saddle >= 0.0
+            and contacts[i - 1].saddle > (1.0 - eps) * min(contacts[i - 1].depth, contacts[i].depth)
         )
         if not joined:
             group += 1
@@ -259,7 +259,7 @@ def kik_piotrowski(buffer: Array, index: Ints) -> int:
 def free_strips(buffer: Array, index: Ints) -> int:
     """Strips and pressures by the strip model; by Kik and Piotrowski's where that has no solution."""
     a = arrays(buffer, index)
-    wheel, rail, pose = bodies(a)
+    wheel, rail, pose = place_bodies(a)
     system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     status = solve_pressure(system, a.model[0], a.state[0], pose, a.found, a.patches, a.strips, a.total[0].lobes)
     if status & STATUS_NOT_CONVERGED:
@@ -271,10 +271,10 @@ def free_strips(buffer: Array, index: Ints) -> int:
 def _press_by_overlap(a: Arrays) -> int:
     """Strips and pressures of all lobes by Kik and Piotrowski's model."""
     model, lobes, count = a.model[0], a.patches, a.total[0].lobes
-    wheel, rail, pose = bodies(a)
+    wheel, rail, pose = place_bodies(a)
     status = 0
     for i in range(count):
-        left, right = room_beside(a.found, i, count)
+        left, right = distance_to_saddles(a.found, i, count)
         status |= bound_lobe(wheel, rail, model, a.found, i, left, right, lobes)
     for i in range(count):
         build_strips(wheel, rail, model, lobes, count, i, a.strips[i])

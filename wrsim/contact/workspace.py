@@ -30,21 +30,21 @@ class Workspace:
         return Workspace(self.buffer, self.index[first : first + count], self.views[first : first + count])
 
     def mutable_slices(self, left_out: Container[int]) -> list[Array]:
-        """Views on the stretches of the buffer that hold all arrays but those with these numbers."""
-        found: list[list[int]] = []
+        """Views on the slices of the buffer that hold all arrays but those with these numbers."""
+        slices: list[list[int]] = []
         for i, view in enumerate(self.views):
             if i in left_out:
                 continue
             begin = int(self.index[i, 0])
-            end = begin + room(view)
-            if found and found[-1][1] == begin:
-                found[-1][1] = end
+            end = begin + packed_size(view)
+            if slices and slices[-1][1] == begin:
+                slices[-1][1] = end
             else:
-                found.append([begin, end])
-        return [self.buffer[begin:end] for begin, end in found]
+                slices.append([begin, end])
+        return [self.buffer[begin:end] for begin, end in slices]
 
 
-def room(array: NDArray[Any]) -> int:
+def packed_size(array: NDArray[Any]) -> int:
     """How many numbers of a buffer an array takes."""
     return -(-array.nbytes // 8 // ALIGNMENT) * ALIGNMENT
 
@@ -62,7 +62,7 @@ def pack(arrays: Sequence[NDArray[Any]]) -> Workspace:
             row[0] = places[id(array)]
             continue
         row[0] = places[id(array)] = end
-        end += room(array)
+        end += packed_size(array)
     buffer = np.zeros(end)
     views = []
     for row, array in zip(index, arrays, strict=True):

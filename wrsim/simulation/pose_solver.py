@@ -25,7 +25,7 @@ from wrsim.contact.model import ContactModel
 from wrsim.contact.models import exact_model, fast_model
 from wrsim.contact.pose import Pose
 from wrsim.contact.prescribed_load import SEARCHING, approach_of, begin_search, meet_load, next_height
-from wrsim.contact.records import STATUS_IN_A_JUMP, STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
+from wrsim.contact.records import STATUS_DISCONTINUOUS, STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
 from wrsim.contact.status import REMARKS, SUBSTITUTED, TOO_MANY, UNMET, UNSOLVED, status_words
 from wrsim.dynamics.kinematics import kinematics
 from wrsim.dynamics.wheel_forces import set_pose, wheel_wrench
@@ -150,7 +150,7 @@ class PoseSolver:
         status, messages = self._status() & ~REMARKS, []
         if abs(self.force[2] / load - 1.0) > self.load_tolerance:
             messages.append(f"{self.missed}: {self.force[2]:.6g} N instead of {load:.6g} N")
-            status &= ~STATUS_IN_A_JUMP
+            status &= ~STATUS_DISCONTINUOUS
         messages.append(status_words(status))
         return "; ".join(filter(None, messages))
 
@@ -164,9 +164,9 @@ class PoseSolver:
         shift = start - float(model.arrays.pose[2])
         message = lower(model, pose.load)
         height = float(model.arrays.pose[2]) + shift
-        if model.arrays.status & (UNSOLVED & ~STATUS_IN_A_JUMP):
+        if model.arrays.status & (UNSOLVED & ~STATUS_DISCONTINUOUS):
             raise Unsolved(status_words(model.arrays.status & UNSOLVED), height)
-        if message and not model.arrays.status & STATUS_IN_A_JUMP:
+        if message and not model.arrays.status & STATUS_DISCONTINUOUS:
             raise LoadNotReached(message)
         self._sum_up()
         return height
@@ -307,6 +307,6 @@ def height_for_load(
     outcome = SEARCHING
     while outcome == SEARCHING:
         outcome = next_height(s, *carried(float(s.height)), tolerance)
-    if outcome & ~STATUS_IN_A_JUMP:
+    if outcome & ~STATUS_DISCONTINUOUS:
         raise LoadNotReached(status_words(outcome))
     return float(s.height)

@@ -12,7 +12,7 @@ import numpy as np
 from wrsim.analysis.conicity.conicity import wheelset_conicity
 from wrsim.contact.profiles.files import noted, notes_of, reading_options
 from wrsim.contact.profiles.flange import BACK
-from wrsim.contact.profiles.models import gathered, load_profile
+from wrsim.contact.profiles.models import load_profile, readings_of
 from wrsim.contact.profiles.profile import Kind, Profile
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check_value
@@ -88,10 +88,11 @@ class Pairing:
     def map(self, wheel: str, rail: str, gauges_mm: tuple[float, float, float], radius: float) -> ConicityMap:
         """A map of profiles or folders of them over gauges (first, last, step) [mm]; radius at the tape circle [m]."""
         with reading_options(**self.reading):
-            rails, bad = gathered((rail,), "rail", self.models)
-            wheels, worse = gathered((wheel,), "wheel", self.models)
-        notes = notes_of([*wheels.values(), *rails.values()])
-        rails, gauges = {n: p.inclined(self.slope) for n, p in rails.items()}, [g / 1e3 for g in _gauges(*gauges_mm)]
+            rail_readings, bad = readings_of((rail,), "rail", self.models)
+            wheel_readings, worse = readings_of((wheel,), "wheel", self.models)
+        wheels = {name: reading.profile for name, reading in wheel_readings.items()}
+        rails = {name: reading.profile.inclined(self.slope) for name, reading in rail_readings.items()}
+        notes, gauges = notes_of([*wheels.values(), *rails.values()]), [g / 1e3 for g in _gauges(*gauges_mm)]
         chart = conicity_map(
             wheels, rails, gauges, self.spacing, radius, self.roll, f"{wheel} on {rail}{self.inclined}"
         )

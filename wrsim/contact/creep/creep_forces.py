@@ -21,8 +21,8 @@ from wrsim.contact.creep.linear import linear_creep
 from wrsim.contact.creep.polach import polach
 from wrsim.jit import Array, Record, Records, inlined, kernel
 
-GAP = 1e-6  # of a strip's width: strips farther apart are not contiguous
-FIRM = 4.0  # from a quarter of the wheel's largest pressure amplitude on a lobe counts in full
+GAP_TOLERANCE = 1e-6  # of a strip's width: strips farther apart are not contiguous
+FULL_WEIGHT_RATIO = 4.0  # from a quarter of the wheel's largest pressure amplitude on a lobe counts in full
 
 
 @kernel
@@ -30,30 +30,30 @@ def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
     """Write Fx, Fy, Mz of the strips of lobe i of ``count``; speed: of the wheel along the rail [m/s]. Coupled lobes
     share the ellipse and the mean creepages by their coupling. The ellipse has the area of the patch and its aspect,
     length over width."""
-    model, lobes, own = a.model[0], a.patches, a.strips[i]
+    model, lobes, strips = a.model[0], a.patches, a.strips[i]
     lobe = lobes[i]
     n = lobe.n_strips
-    largest = set_friction(speed, a.call[0], model.least_speed, own, n)
+    largest = set_friction(speed, a.call[0], model.least_speed, strips, n)
     if n == 0 or lobe.N <= 0.0 or largest <= 0.0:
         for j in range(n):
-            own[j].Fx = own[j].Fy = own[j].Mz = 0.0
+            strips[j].Fx = strips[j].Fy = strips[j].Mz = 0.0
         return
     ellipse, mean, normal = _joint(lobes, a.strips, count, i)
     direction = 1.0 if speed >= 0.0 else -1.0
     law = model.tangential
     if law == POLACH:
-        _spread_polach(a.creep, model, own, n, normal, mean, ellipse, direction)
+        _spread_polach(a.creep, model, strips, n, normal, mean, ellipse, direction)
         return
     soft = flexibilities(a.creep, ellipse, model.G)
     if law == LINEAR:
         # Kalker's linear forces know the area, not the load: a lobe about to lift off has to lose its grip
         grip = 1.0
         for j in range(count):
-            grip = min(grip, FIRM * lobe.amplitude / max(lobes[j].amplitude, 1e-300))
+            grip = min(grip, FULL_WEIGHT_RATIO * lobe.amplitude / max(lobes[j].amplitude, 1e-300))
         soft = Flexibilities(soft.l1 / grip, soft.l2 / grip, soft.l3 / grip)
     if model.slope_k0 != 1.0 or model.slope_beta > 0.0:
-        soft = _reduced(a.creep, model, own, n, normal, mean, ellipse, soft)
-    on = Rolling(own, n, soft, direction, a.shape, a.work)
+        soft = _reduced(a.creep, model, strips, n, normal, mean, ellipse, soft)
+    on = Rolling(strips, n, soft, direction, a.shape, a.work)
     peak = PARABOLA_PEAK if model.parabolic else 1.0
     if law == FASTSIM and model.blended:
         fastsim_blended(on, peak)
@@ -70,22 +70,17 @@ def _reduced(
     creep: Array, model: Record, strips: Records, n: int, normal: float, mean: Creepages, ellipse: Ellipse,
     soft: Flexibilities,
 ) -> Flexibilities:  # fmt: skip
-    """Flexibilities over the factor k of the slope reduction (Spiryagin, Polach, Oldknow, Vollebregt and Dollevoet,
-    Vehicle System Dynamics 51, 2013),
-
-        k = k_0 (alpha_inf + (1 - alpha_inf) / (1 + beta eps)),   eps = G pi a b k_0 C11 nu / (4 mu N),
-
-    nu the total creepage, spin at the end of the ellipse included."""
-    friction = own = 0.0
+    """Flexibilities over the factor k of the slope reduction (creep-slope), spin at the end of the ellipse included."""
+    friction = load = 0.0
     for i in range(n):
         friction += strips[i].mu * strips[i].N
-        own += strips[i].N
+        load += strips[i].N
     eta = mean.eta + mean.phi * ellipse.a
     eta = eta if abs(eta) > abs(mean.eta) else mean.eta
     total = sqrt(mean.xi * mean.xi + eta * eta)
     c11 = kalker_coefficients(creep, ellipse.aspect).c11
     area = pi * ellipse.a * ellipse.b
-    eps = model.G * area * model.slope_k0 * c11 * total * own / (4.0 * friction * normal)
+    eps = model.G * area * model.slope_k0 * c11 * total * load / (4.0 * friction * normal)
     alpha = model.slope_alpha_inf
     k = model.slope_k0 * (alpha + (1.0 - alpha) / (1.0 + model.slope_beta * eps))
     return Flexibilities(soft.l1 / k, soft.l2 / k, soft.l3 / k)
@@ -107,7 +102,7 @@ def _contiguous_strips(strips: Records, first: int, n: int) -> ContiguousStrips:
     j = first
     while j < n:
         strip = strips[j]
-        if j > first and strip.s - 0.5 * strip.ds > strips[j - 1].s + (0.5 + GAP) * strips[j - 1].ds:
+        if j > first and strip.s - 0.5 * strip.ds > strips[j - 1].s + (0.5 + GAP_TOLERANCE) * strips[j - 1].ds:
             break
         longest, pressure = max(longest, strip.a), max(pressure, strip.p)
         j += 1
@@ -121,11 +116,11 @@ def _joint(lobes: Records, strips: Records, count: int, i: int) -> tuple[Ellipse
     little as it carries."""
     lobe = lobes[i]
     area = width = longest = normal = xi = eta = phi = 0.0
-    firmest = 0.0
+    largest_amplitude = 0.0
     m = 0
     while m < lobe.n_strips:
         contiguous = _contiguous_strips(strips[i], m, lobe.n_strips)
-        m, firmest = contiguous.end, max(firmest, contiguous.amplitude)
+        m, largest_amplitude = contiguous.end, max(largest_amplitude, contiguous.amplitude)
     for j in range(count):
         other = lobes[j]
         share = 1.0
@@ -140,7 +135,7 @@ def _joint(lobes: Records, strips: Records, count: int, i: int) -> tuple[Ellipse
         m = 0
         while m < other.n_strips:
             contiguous = _contiguous_strips(strips[j], m, other.n_strips)
-            part = share * min(contiguous.amplitude / firmest, 1.0)
+            part = share * min(contiguous.amplitude / largest_amplitude, 1.0)
             longest = max(longest, 2.0 * part * contiguous.longest)
             for k in range(m, contiguous.end):
                 strip = strips[j, k]
@@ -160,11 +155,11 @@ def _spread_polach(
     direction: float,
 ) -> None:  # fmt: skip
     """Polach's forces, over the strips in proportion to their mu N; normal: force on the ellipse [N]."""
-    friction = own = 0.0
+    friction = load = 0.0
     for i in range(n):
         friction += strips[i].mu * strips[i].N
-        own += strips[i].N
-    stiffness = model.G * own / (normal * friction)
+        load += strips[i].N
+    stiffness = model.G * load / (normal * friction)
     # rolling backwards is the mirror image x -> -x: xi, phi and Fx, Mz change sign
     forward = Creepages(direction * mean.xi, mean.eta, direction * mean.phi)
     coefficients = kalker_coefficients(creep, ellipse.aspect)

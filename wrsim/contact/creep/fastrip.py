@@ -1,25 +1,15 @@
 """FaStrip (Sichani, Enblom and Berg 2016): strip theory where the surfaces stick, FASTSIM's march where they slip.
 
-Strip theory takes each strip for a rolling cylinder in plane strain. With mu p = c sqrt(a^2 - x^2), c = mu P / a, the
-tractions
-
-    T = c [alpha k(x) - (alpha - psi e_y) k_d(x)],   k = sqrt(a^2 - x^2),   k_d = sqrt(d^2 - (x - e)^2),  e = a - d,
-
-have constant gradients of displacement in the zone of adhesion, the 2d behind the leading edge, where k_d is real. They
-cancel the rigid slip (xi, eta + phi x) there if
+Strip theory takes each strip for a rolling cylinder in plane strain. Its tractions (creep-fastrip) have constant
+gradients of displacement in the zone of adhesion, the 2d behind the leading edge. They cancel the rigid slip
+(xi, eta + phi x) there if
 
     alpha = (xi' / e, eta' / e + psi),   xi' = G xi / (2 (1 - nu) c),   eta' = G eta / (2 c),   psi = G phi / (2 c),
 
-and the slip zone behind begins at the bound if |alpha| = 1. That is a quadratic equation for e, with the root
-
-    e = (xi'^2 + eta'^2) / (sqrt(eta'^2 + (1 - psi^2) xi'^2) - eta' psi),
-
-valid for |psi| < 1; then |T| <= mu p throughout. A strip with e > a slips all along. Summed over an ellipse this gives
-creep coefficients pi^2 / (4 (1 - nu)), pi^2 / 4 and pi sqrt(a/b) / 3, true for slender strips only. FaStrip puts
-Kalker's coefficients in their place: with FASTSIM's flexibilities L1, L2, L3 of the equivalent ellipse of half length
-a_0
-
-    xi' = 16 a_0 xi / (3 pi^2 L1 c),   eta' = 16 a_0 eta / (3 pi^2 L2 c),   psi = 3 a_0 phi / (8 L3 c).
+and the slip zone behind begins at the bound if |alpha| = 1: a quadratic equation for e, with the root
+(creep-fastrip-e), valid for |psi| < 1; then |T| <= mu p throughout. A strip with e > a slips all along. Summed over an
+ellipse this gives creep coefficients pi^2 / (4 (1 - nu)), pi^2 / 4 and pi sqrt(a/b) / 3, true for slender strips only.
+FaStrip puts Kalker's coefficients in their place, with FASTSIM's flexibilities (creep-fastrip-e).
 
 Behind the adhesion zone the tractions are followed as in FASTSIM, with one flexibility where they slide and with three
 where they stick again (`march`).
@@ -35,7 +25,7 @@ works through L1 like the rest of it.
 from math import pi, sqrt
 
 from wrsim.contact.creep.flexibility import Rolling
-from wrsim.contact.creep.march import NOTHING, begin, largest_traction, march
+from wrsim.contact.creep.march import TINY, begin, largest_traction, march
 from wrsim.jit import kernel
 
 FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
@@ -51,7 +41,7 @@ def fastrip(on: Rolling, half_length: float) -> None:
         strip = strips[i]
         bound = largest_traction(strip)
         ax, ay, d, psi = 0.0, 0.0, 0.0, 0.0
-        if bound > NOTHING:
+        if bound > TINY:
             # all over a
             x = -shift * strip.xi / (soft.l1 * bound)
             y = -shift * strip.eta / (soft.l2 * bound)

@@ -1,28 +1,21 @@
-"""FASTSIM on strips (Kalker 1982), with the creepage and the spin of each strip.
+"""FASTSIM on strips (Kalker 1982), with the creepage and the spin of each strip: (creep-flex), (creep-fastsim).
 
-In the simplified theory a surface point yields in proportion to the traction on it, with one flexibility each for
-longitudinal creepage, lateral creepage and spin,
-
-    L1 = 8 a / (3 C11 G),   L2 = 8 a / (3 C22 G),   L3 = pi a sqrt(a/b) / (4 C23 G),
-
-chosen so that small creepages give Kalker's linear forces on the ellipse of semi-axes a, b. Every strip is followed
-from its leading edge; where the traction would exceed the bound it slides. Creepages come per strip (they already
-contain the spin's share y phi).
+Every strip is followed from its leading edge; where the traction would exceed the bound it slides. Creepages come per
+strip (they already contain the spin's share y phi).
 
 With three flexibilities throughout (`fastsim`) the mean of the creepages over the patch works through L1 and L2, the
 deviation from it through L3, which on a flat patch with constant spin is Kalker's original. With three where the
 surfaces stick and one where they slide (`fastsim_blended`, see `march`) each strip's own creepages work through L1 and
 L2, and L3 is left with the turning phi x. Small creepages give Kalker's forces either way.
 
-Bound: mu times the pressure, a semi-ellipse along the strip ("elliptic"), or the parabola of the same force
-("parabolic"). Kalker's own bound is one paraboloid over the whole ellipse, which takes the strips' forces from
-the edges to the middle; here every strip keeps its mu N, because friction is a matter of the place.
+Kalker's own bound is one paraboloid over the whole ellipse, which takes the strips' forces from the edges to the
+middle; here every strip keeps its mu N, because friction is a matter of the place.
 """
 
 from math import pi, sqrt
 
 from wrsim.contact.creep.flexibility import Creepages, Rolling
-from wrsim.contact.creep.march import begin, hold_power, largest_traction, march
+from wrsim.contact.creep.march import begin, largest_traction, limit_dissipation, march
 from wrsim.jit import kernel
 
 PARABOLA_PEAK = 0.375 * pi  # of the parabola over that of the semi-ellipse of equal force
@@ -72,7 +65,7 @@ def fastsim(on: Rolling, mean: Creepages, peak: float) -> None:
         strip.Fx = fx[i] * cell
         strip.Fy = fy[i] * cell
         strip.Mz = direction * mz[i] * cell * strip.a
-    hold_power(strips, n)
+    limit_dissipation(strips, n)
 
 
 @kernel

@@ -1,7 +1,4 @@
-"""Flexibilities of the simplified theory on the equivalent ellipse, from Kalker's creep coefficients.
-
-L1 = 8 a / (3 C11 G),   L2 = 8 a / (3 C22 G),   L3 = pi a sqrt(a/b) / (4 C23 G).
-"""
+"""Flexibilities of the simplified theory on the equivalent ellipse, from Kalker's creep coefficients (creep-flex)."""
 
 from math import log, pi, sqrt
 from typing import NamedTuple

@@ -1,12 +1,7 @@
-"""The coefficient of friction of each strip: by zone of the rail and by slip speed.
+"""The coefficient of friction of each strip: by zone of the rail (fric-zone) and by slip speed (fric-fall).
 
-Zones: up to one contact angle the top of the rail, from another one on its gauge corner, a smooth ramp between. Slip:
-
-    mu = mu_0 ((1 - A) exp(-B w) + A)
-
-falls from mu_0 at rest to A mu_0 (Polach 2005). w is the speed of the rigid slip, as a mean over the strip,
-w = V sqrt(xi^2 + eta^2 + (phi a)^2 / 3): it depends on the motion alone, so the coefficient cannot jump, and in full
-sliding it is the true slip. In adhesion, where the true slip is less, mu is a little too low.
+The speed of the rigid slip depends on the motion alone, so the coefficient cannot jump, and in full sliding it is the
+true slip. In adhesion, where the true slip is less, mu is a little too low.
 
 Along a rail the numbers of that law may change: rows of a table (n, 7), a place [m] and ``mu`` to ``fall_decay`` of
 CALL in their order. Between two rows each number changes by 3 x^2 - 2 x^3, beyond the ends none does.

@@ -7,13 +7,12 @@ deviation of a strip's creepage from the mean through L3). Integrated over a str
     Fy = -2 a^2 ds (eta_0 / L2 + (eta - eta_0) / L3) - (2/3) a^3 ds phi / L3
     Mz = (2/3) a^3 ds eta / L3
 
-On an ellipse the sums are Kalker's -C11 G ab xi and -C22 G ab eta - C23 G (ab)^(3/2) phi exactly, and Mz has the same
-C23 as Fy (reciprocity), which keeps the power of the two against each other at zero. |T| may exceed mu N.
+On an ellipse the sums are (creep-linear) exactly, and Mz has the same C23 as Fy (reciprocity), which keeps the power of
+the two against each other at zero. |T| may exceed mu N.
 
-Saturated (Shen, Hedrick and Elkins 1983, after Vermeulen and Johnson): with u = |F| / (mu N) of the strip, forces
-times (1 - u/3 + u^2/27) for u < 3, and |F| = mu N beyond. Applied to each strip, not to the patch, so that friction
-may differ by place; without spin that is the same. The moment falls with (1 - u/3) more, as in full sliding it must,
-but not below what keeps the power of the strip from being positive.
+Saturated (Shen, Hedrick and Elkins 1983, after Vermeulen and Johnson) by (creep-she). Applied to each strip, not to the
+patch, so that friction may differ by place; without spin that is the same. The moment falls with (1 - u/3) more, as in
+full sliding it must, but not below what keeps the power of the strip from being positive.
 """
 
 from math import sqrt
@@ -43,13 +42,13 @@ def linear_creep(on: Rolling, mean: Creepages, saturated: float) -> None:
                 scale = 1.0 - u / 3.0 + u * u / 27.0
             fx *= scale
             fy *= scale
-            mz = restrain(fx * strip.xi + fy * strip.eta, strip.phi, scale * (1.0 - u / 3.0) * mz)
+            mz = limit_moment(fx * strip.xi + fy * strip.eta, strip.phi, scale * (1.0 - u / 3.0) * mz)
         strip.Fx = fx
         strip.Fy = fy
         strip.Mz = mz
 
 
 @kernel
-def restrain(power: float, phi: float, moment: float) -> float:
+def limit_moment(power: float, phi: float, moment: float) -> float:
     """The moment, or the one that makes up for the power of the forces where both together would be positive."""
     return -power / phi if power + moment * phi > 0.0 and phi != 0.0 else moment

@@ -27,7 +27,7 @@ from wrsim.jit import Array, Record, Records, inlined, kernel
 STEP_X, STEP_Y, TURN, BOUND, START_X, START_Y, STUCK, TRACTION_X, TRACTION_Y, FX, FY, MZ = range(12)
 """Rows of the scratch array."""
 
-NOTHING = 1e-30  # a bound [Pa] below which strips only slide; also a rest in R, that s is 1 where nothing slips
+TINY = 1e-30  # a bound [Pa] below which strips only slide; also a rest in R, that s is 1 where nothing slips
 
 
 @inlined
@@ -61,7 +61,7 @@ def march(on: Rolling, rising: bool) -> None:
     per_x, per_y, per_turn = -dx / soft.l1, -dx / soft.l2, -direction * dx / soft.l3
     for i in range(n):
         strip = strips[i]
-        share = strip.a / bound[i] if bound[i] > NOTHING else 0.0
+        share = strip.a / bound[i] if bound[i] > TINY else 0.0
         step_x[i] = per_x * strip.xi * share
         step_y[i] = per_y * strip.eta * share
         turn[i] = per_turn * strip.phi * strip.a * share
@@ -82,21 +82,21 @@ def march(on: Rolling, rising: bool) -> None:
             gy, ty = part * step_y[i], part * middle * turn[i]
             hx, hy = slide_x * gx, slide_y * gy + slide_turn * ty
             gy += ty
-            near = min((qx[i] * qx[i] + qy[i] * qy[i]) * per_bound, 1.0)
-            near *= near
-            late = 1.0 + (1.0 - part) * rise + part * lift * near * near
-            px, py = late * qx[i], late * qy[i]
+            utilisation = min((qx[i] * qx[i] + qy[i] * qy[i]) * per_bound, 1.0)
+            utilisation *= utilisation
+            bound_factor = 1.0 + (1.0 - part) * rise + part * lift * utilisation * utilisation
+            px, py = bound_factor * qx[i], bound_factor * qy[i]
             last = before * (1.0 + (1.0 - part) * rise + part * lift)
             inwards = last * (limit - last) - px * gx - py * gy
-            room = max(last * last - px * px - py * py, 0.0) + 2.0 * max(inwards, 0.0) + NOTHING
+            room = max(last * last - px * px - py * py, 0.0) + 2.0 * max(inwards, 0.0) + TINY
             ex, ey = px + gx, py + gy
             s = room / (room + max(ex * ex + ey * ey - limit * limit, 0.0))
             tx = px + s * gx + (1.0 - s) * hx
             ty = py + s * gy + (1.0 - s) * hy
-            scale = min(limit / sqrt(max(tx * tx + ty * ty, NOTHING)), 1.0)
-            waits = x >= stuck[i]
-            tx = start_x[i] * limit if waits else tx * scale
-            ty = start_y[i] * limit if waits else ty * scale
+            scale = min(limit / sqrt(max(tx * tx + ty * ty, TINY)), 1.0)
+            before_start = x >= stuck[i]
+            tx = start_x[i] * limit if before_start else tx * scale
+            ty = start_y[i] * limit if before_start else ty * scale
             qx[i] = tx
             qy[i] = ty
             fx[i] += tx
@@ -107,15 +107,15 @@ def march(on: Rolling, rising: bool) -> None:
         force = bound[i] * dx * strip.a * strip.ds
         # the cells do not end where the march begins: a rest of rounding
         limit = 0.5 * pi / dx
-        force *= min(limit / sqrt(max(fx[i] * fx[i] + fy[i] * fy[i], NOTHING)), 1.0)
+        force *= min(limit / sqrt(max(fx[i] * fx[i] + fy[i] * fy[i], TINY)), 1.0)
         strip.Fx = force * fx[i]
         strip.Fy = force * fy[i]
         strip.Mz = direction * force * mz[i] * strip.a
-    hold_power(strips, n)
+    limit_dissipation(strips, n)
 
 
 @kernel
-def hold_power(strips: Records, n: int) -> None:
+def limit_dissipation(strips: Records, n: int) -> None:
     """Moments as near to the ones given as keeps the creep's power over all strips from being positive. C22 makes the
     moment of eta, C23 the lateral force of phi. In slender patches (a/b above some 10) with next to no slip the two
     differ so much that, with hardly anything else to dissipate, their powers would not cancel."""

@@ -1,9 +1,7 @@
 """Polach's creep forces (1999, with the reduction factors of 2005) on the equivalent ellipse.
 
-With v = sqrt(xi^2 + eta^2), v_c = sqrt(xi^2 + eta_c^2), eta_c = eta + phi a if that is the larger of the two, else eta,
-and C = sqrt((C11 xi)^2 + (C22 eta)^2) / v,
+With F and v_c of (creep-polach),
 
-    eps = G pi a b C v_c / (4 mu N),   F = (2 mu N / pi) [kA eps / (1 + (kA eps)^2) + arctan(kS eps)]
     Fx = -F xi / v_c,   Fy = -F eta / v_c + (9/16) mu N a K S phi / v_c,   S = 1 + 6.3 (1 - exp(-a/b))
     K = |e| (d^3/3 - d^2/2 + 1/6) - sqrt((1 - d^2)^3) / 3,   d = (e^2 - 1) / (e^2 + 1),
     e = (8/3) G b sqrt(ab) C23 eta_c / (mu N S).
@@ -16,7 +14,7 @@ as it takes that creep does no positive work.
 from math import atan, exp, pi, sqrt
 
 from wrsim.contact.creep.flexibility import Coefficients, Creepages, Ellipse
-from wrsim.contact.creep.linear import restrain
+from wrsim.contact.creep.linear import limit_moment
 from wrsim.jit import kernel
 
 LARGE = 1e60  # creepages beyond are full sliding; their powers are still numbers
@@ -55,4 +53,4 @@ def polach(
     scale = 1.0 / max(sqrt(fx * fx + fy * fy), 1.0)
     fx *= scale
     fy *= scale
-    return fx, fy, restrain(fx * xi + fy * eta, phi, 0.0)
+    return fx, fy, limit_moment(fx * xi + fy * eta, phi, 0.0)

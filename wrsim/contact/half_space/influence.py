@@ -115,8 +115,8 @@ def _over_groups(act: Callable[..., Array]) -> Callable[..., Array]:
         if not self.shares:
             return act(self, q, *arguments)
         total = self.shares[0][1] * act(self, self.shares[0][0] * q, *arguments)
-        for own, influence in self.shares[1:]:
-            total += influence * act(self, own * q, *arguments)
+        for share, influence in self.shares[1:]:
+            total += influence * act(self, share * q, *arguments)
         return total
 
     return summed
@@ -181,8 +181,8 @@ class Operator:
 
     def self_slip(self) -> float:
         """Largest slip that an element's own traction brings about, over that traction [1/Pa]."""
-        own = _integrals(self._ratio, 64)[:, :2, 0]
-        fall, c = own[:, 0] - own[:, 1], self.compliance
+        integrals = _integrals(self._ratio, 64)[:, :2, 0]
+        fall, c = integrals[:, 0] - integrals[:, 1], self.compliance
         return float(c.normal * fall[NN] + c.tangential * max(fall[XX], fall[SS]))
 
     @cached_property
@@ -214,7 +214,7 @@ class Operator:
 
     @cached_property
     def _spectra(self) -> dict[int, Array]:
-        """Of A_nn, A_xx, A_ss, A_xs, and, of unequal materials, the imaginary parts of those of A_xn, A_sn."""
+        """Spectra of A_nn, A_xx, A_ss, A_xs, and, of unequal materials, the imaginary parts of those of A_xn, A_sn."""
         c = self.compliance
         factors = {NN: c.normal, XX: c.tangential, SS: c.tangential, XS: c.tangential}
         if self._unequal:

@@ -1,7 +1,5 @@
-"""Normal contact of half-spaces on a grid: steps of a preconditioned conjugate gradient method with bounds.
+"""Normal contact of half-spaces on a grid (hs-normal): steps of a preconditioned conjugate gradient method with bounds.
 
-Wanted are pressures p >= 0 with deformed gaps e = A p - pen >= 0 and p e = 0 in every element: the minimum of
-1/2 p A p - pen p over p >= 0, A the influence matrix, pen the undeformed interpenetration at the prescribed approach.
 Conjugate gradients run on the elements in contact; elements that would pull leave, elements that would overlap enter
 (Polonsky and Keer, Wear 231, 1999). Preconditioned in Fourier space with the inverse symbol of A, |k| E*/2
 (Vollebregt, Tribology Transactions 57, 2014), six to ten iterations reach 1e-4.

@@ -139,9 +139,9 @@ class HalfSpaceContact:
 
     def largest(self, most: int) -> list[tuple[Patch, Region]]:
         """The largest regions of all patches, each with its patch, by falling normal force."""
-        found = [(patch, region) for patch in self.patches for region in patch.regions]
-        found.sort(key=lambda pair: -pair[1].normal_force)
-        return found[:most]
+        pairs = [(patch, region) for patch in self.patches for region in patch.regions]
+        pairs.sort(key=lambda pair: -pair[1].normal_force)
+        return pairs[:most]
 
 
 def stretches(p: Array) -> tuple[NDArray[np.intp], Array, Array]:
@@ -163,18 +163,19 @@ def stretches(p: Array) -> tuple[NDArray[np.intp], Array, Array]:
 def _regions(grid: Grid, p: Array) -> Iterator[Region]:
     labels, _ = scipy.ndimage.label(p > 0.0)
     for number, (rows, columns) in enumerate(scipy.ndimage.find_objects(labels), start=1):
-        own = np.where(labels[rows, columns] == number, p[rows, columns], 0.0)
-        row, start, end = stretches(own)
+        pressures = np.where(labels[rows, columns] == number, p[rows, columns], 0.0)
+        row, start, end = stretches(pressures)
         longest = np.argsort(end - start)  # of a row's stretches the longest is written last
-        starts, ends = np.zeros((2, len(own)))
+        starts, ends = np.zeros((2, len(pressures)))
         starts[row[longest]], ends[row[longest]] = start[longest], end[longest]
-        _, first, last = stretches(own.max(axis=1)[None, :])
+        _, first, last = stretches(pressures.max(axis=1)[None, :])
         s_from, s_to = (float(grid.s[rows.start] + grid.ds * (edge[0] - 0.5)) for edge in (first, last))
         length = float((ends - starts).max()) * grid.length
         outer = float(grid.x[columns.start]) - 0.5 * grid.dx
         starts, ends = outer + grid.dx * starts, outer + grid.dx * ends
         angle_from, angle_to = np.interp([s_from, s_to], grid.s, grid.angle)
         yield Region(
-            rows, columns, own, float((end - start).sum()) * grid.cell, float(own.max()), float(own.sum()) * grid.cell,
+            rows, columns, pressures, float((end - start).sum()) * grid.cell, float(pressures.max()),
+            float(pressures.sum()) * grid.cell,
             length, starts, ends, (s_from, s_to), (float(angle_from), float(angle_to)),
         )  # fmt: skip

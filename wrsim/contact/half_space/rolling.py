@@ -49,11 +49,11 @@ def solve_rolling(
     state, ratio, n = np.zeros(bound.shape), np.zeros(bound.shape), np.zeros(shape)
     if largest <= 0.0:
         return Traction(q, rigid_slip, state, 0, 0, 0.0, True)
-    own = operator.self_slip()
+    self_slip = operator.self_slip()
     # the sum of a run times dx over a typical compliance is a traction
-    scale = 1.0 / (np.sqrt(bound.size) * own)
+    scale = 1.0 / (np.sqrt(bound.size) * self_slip)
     unscale = operator.dx / scale
-    equations = rolling.Equations(bound, STEP_OF_MAP / own, scale, forward, state, n, ratio)
+    equations = rolling.Equations(bound, STEP_OF_MAP / self_slip, scale, forward, state, n, ratio)
     if start is not None and start.shape == shape:
         rolling.move(q, start, 1.0, bound)
     else:

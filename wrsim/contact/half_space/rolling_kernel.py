@@ -1,20 +1,13 @@
 """Steady rolling of half-spaces with Coulomb friction on a grid: steps of a semismooth Newton method.
 
-Wanted are tractions q on the wheel, |q| <= g = mu p, such that the slip of every element
+Wanted are tractions q on the wheel, |q| <= g = mu p, such that the slip s of every element (hs-slip) vanishes where
+|q| < g and is opposite to q where |q| = g (Kalker 1990, chapter 4: the material of an element was one element further
+ahead a moment ago). The rigid slip w is that of each element, so creepage and spin may vary over a curved patch.
 
-    s = w + (u(x) - u(x + dx)) / dx,   u = A q,
-
-vanishes where |q| < g and is opposite to q where |q| = g (Kalker 1990, chapter 4: the material of an element was one
-element further ahead a moment ago; x is the direction of rolling here). w is the rigid slip over the rolling speed:
-each element has its own, so creepage and spin may vary over a curved patch.
-
-Both conditions in one: F(q) = q - P(q - rho s) = 0 with P the projection on the disc of radius g. Where
-|q - rho s| <= g that is s = 0 (adhesion), else q = g n, n = (q - rho s)/|q - rho s| (slip). Newton's steps are solved
-by GMRES with convolutions in Fourier space (wrsim.contact.half_space.rolling). In adhesion the equations of a row are
-summed up from the leading end of each run, which turns differences into displacements and lets the inverse symbol of A
-precondition them.
-
-The difference over one element is of first order.
+Both conditions in one are (hs-coulomb). Where |q - rho s| <= g that is s = 0 (adhesion), else q = g n,
+n = (q - rho s)/|q - rho s| (slip). Newton's steps are solved by GMRES with convolutions in Fourier space
+(wrsim.contact.half_space.rolling). In adhesion the equations of a row are summed up from the leading end of each run,
+which turns differences into displacements and lets the inverse symbol of A precondition them.
 
 Vectors are (2, rows, columns) along x and s, scalars (rows, columns), x rising with the column.
 """

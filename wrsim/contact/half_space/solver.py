@@ -46,8 +46,8 @@ class HalfSpace(HalfSpaceSettings):
         patches = []
         for number, footprint in enumerate(footprints):
             start = before.patches[number] if before is not None and number < len(before.patches) else None
-            patch, own = self._solve(model, footprint, start)
-            status |= own
+            patch, patch_status = self._solve(model, footprint, start)
+            status |= patch_status
             if patch is not None and patch.regions:
                 patches.append(patch)
         patches.sort(key=lambda p: -p.normal_force)

@@ -15,7 +15,7 @@ from wrsim.contact.half_space.patch import HalfSpaceContact, Patch, Region
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.model import ContactModel
 from wrsim.contact.resultants import add_lobe, set_creepages
-from wrsim.contact.wheel_rail import carry, in_track_axes, pose_in_rail_axes
+from wrsim.contact.wheel_rail import apply_creep_forces, in_track_axes, pose_in_rail_axes
 from wrsim.jit import Array, Records
 
 FORCE, MOMENT = ("Ft", "Fo", "Fb"), ("Mt", "Mo", "Mb")
@@ -52,7 +52,7 @@ def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
         # what the strips hold without the creep forces that are added now
         exact = total.copy()
         a.rows.total[:] = np.zeros((), k.TOTAL)
-        carry(a.buffer, a.index, len(regions))
+        apply_creep_forces(a.buffer, a.index, len(regions))
         wear = float(total.wear)
         for name in (*FORCE, *MOMENT):
             total[name] -= exact[name]

@@ -12,7 +12,7 @@ from wrsim.contact.half_space import surface_kernel as surface
 from wrsim.contact.model import ContactModel
 from wrsim.contact.records import PlacedWheel, Rail, WheelPose
 from wrsim.contact.surfaces.rail_surface import RailSurface
-from wrsim.contact.wheel_rail import bodies
+from wrsim.contact.wheel_rail import place_bodies
 from wrsim.jit import Array
 
 Rows = NDArray[np.void]
@@ -37,7 +37,7 @@ class Bodies:
     def of(cls, model: ContactModel) -> "Bodies":
         """At the pose set in a model's arrays."""
         surface = None if model.rolled is None else model.rolled.surface
-        wheel, rail, pose = bodies(model.arrays.rows)
+        wheel, rail, pose = place_bodies(model.arrays.rows)
         call = model.arrays.inputs
         return cls(wheel, rail, pose, surface, *(float(call[name]) for name in ("place", "sine", "about")))
 
@@ -102,13 +102,13 @@ class Grid:
 
     @cached_property
     def incline(self) -> surface.Incline:
-        """Of the reference, that of the rail at the main point."""
+        """Slope of the reference, that of the rail at the main point."""
         row = self.axis[self.main]
         return surface.Incline(float(row["slope"]), float(row["no"]), float(row["nb"]))
 
     @property
     def length(self) -> float:
-        """Of an element along the rail, which may be inclined [m]."""
+        """Length of an element along the rail, which may be inclined [m]."""
         return self.dx * sqrt(1.0 + self.incline.slope**2)
 
     @property
@@ -157,12 +157,12 @@ class Grid:
     def _gap(self) -> Array:
         """Interpenetration, and distance along the normal from the reference to the wheel [m]."""
         gap = np.empty((2, len(self.axis), len(self.x)))
-        own, x0 = self.bodies, float(self.x[0])
-        if own.surface is None:
-            surface.fill_gap(own.wheel, own.rail, self.axis, x0, self.dx, gap[0], gap[1])
+        bodies, x0 = self.bodies, float(self.x[0])
+        if bodies.surface is None:
+            surface.fill_gap(bodies.wheel, bodies.rail, self.axis, x0, self.dx, gap[0], gap[1])
         else:
-            rows, parts = own.sections(self.x, float(self.axis[self.main]["o"]))
-            surface.fill_gap_along(own.wheel, rows, parts, self.incline, self.axis, x0, self.dx, gap[0], gap[1])
+            rows, parts = bodies.sections(self.x, float(self.axis[self.main]["o"]))
+            surface.fill_gap_along(bodies.wheel, rows, parts, self.incline, self.axis, x0, self.dx, gap[0], gap[1])
         return gap
 
     def arms(self, x: Array, height: Array) -> Array:
@@ -175,7 +175,7 @@ class Grid:
         return np.stack(np.broadcast_arrays(x - origin.x, o - origin.y, b - origin.z))
 
     def rigid_slip(self, least_speed: float, ahead: float) -> Array:
-        """Of the wheel over the rolling speed (2, rows, columns), that far ahead of the elements' centres [m].
+        """Creepages (2, rows, columns) that far ahead of the elements' centres [m].
 
         The velocity of the wheel's material against the rail's over the rolling speed, which is held above
         ``least_speed`` [m/s]. Both velocities, seen from the moving contact, are projected on the plane between them,

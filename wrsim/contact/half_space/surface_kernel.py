@@ -144,7 +144,7 @@ def _meet_wheel(wheel: PlacedWheel, point: Vec, normal: Vec, arc: float, t: floa
 
 
 class Incline(NamedTuple):
-    """Of the reference along the track: its slope, and the direction in the section in which it rises."""
+    """Slope of the reference along the track, and the direction in the section in which it rises."""
 
     slope: float
     no: float
@@ -162,7 +162,7 @@ def _centre(row: Record, incline: Incline, x: float) -> Vec:
 def _meet_section(section: Array, parts: Ints, centre: Vec, no: float, nb: float, near: float) -> tuple[float, bool]:
     """Distance along a normal from a centre to a section, of several the one nearest to ``near``; whether it gets
     there. section: (n, 4) points and tangents of any length; parts: first row of every piece, and n."""
-    best, found = 0.0, False
+    best, has_met = 0.0, False
     for k in range(parts.size - 1):
         u, w = section[parts[k], 0] - centre.y, section[parts[k], 1] - centre.z
         before = u * nb - w * no
@@ -171,10 +171,10 @@ def _meet_section(section: Array, parts: Ints, centre: Vec, no: float, nb: float
             behind = u * nb - w * no
             if before <= 0.0 < behind:
                 t, facing = _within(section, i, centre, no, nb, before / (before - behind))
-                if facing and abs(t) < REACH and (not found or abs(t - near) < abs(best - near)):
-                    best, found = t, True
+                if facing and abs(t) < REACH and (not has_met or abs(t - near) < abs(best - near)):
+                    best, has_met = t, True
             before = behind
-    return best, found
+    return best, has_met
 
 
 @inlined
@@ -209,17 +209,17 @@ def _meet_along(wheel: PlacedWheel, row: Record, incline: Incline, x0: float, dx
     for side in range(2):
         step = 1 - 2 * side
         i = middle - side
-        found = True
+        has_met = True
         t = 0.5 * row.gap
         if side == 1:
             t = place[middle] if place[middle] < inf else 0.0
         last_t = t
         arc = last_arc = row.arc_wheel
         while 0 <= i < columns:
-            if found:
+            if has_met:
                 point = sub(_centre(row, incline, x0 + i * dx), wheel.origin)
-                t, arc, found = _meet_wheel(wheel, point, normal, arc, t)
-            place[i] = t if found else inf
+                t, arc, has_met = _meet_wheel(wheel, point, normal, arc, t)
+            place[i] = t if has_met else inf
             t, last_t = 2.0 * t - last_t, t
             arc, last_arc = 2.0 * arc - last_arc, arc
             i += step

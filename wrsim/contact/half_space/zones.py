@@ -79,10 +79,10 @@ def find_footprints(model: ContactModel, settings: HalfSpaceSettings) -> tuple[l
         return all(end < lo or start > hi for lo, hi in taken)
 
     for i in np.argsort(-a.found["depth"][:count]):
-        found: Any = a.found[i]
-        if free(found.arc_wheel, found.arc_wheel):
-            axis = Axis(bodies, float(found.arc_wheel), float(found.arc_rail), settings.pairing == "level")
-            footprint, reached = _look(axis, float(found.depth), float(found.curvature), settings, free)
+        contact: Any = a.found[i]
+        if free(contact.arc_wheel, contact.arc_wheel):
+            axis = Axis(bodies, float(contact.arc_wheel), float(contact.arc_rail), settings.pairing == "level")
+            footprint, reached = _look(axis, float(contact.depth), float(contact.curvature), settings, free)
             footprints.append(footprint)
             taken += reached
     return footprints, float(a.total.closest), status
@@ -98,19 +98,19 @@ def _look(
     pen, arc = -rows["gap"], rows["arc_wheel"]
     pen[LOOK] = max(pen[LOOK], depth)
     real = axis.bodies.holds(rows)
-    found = [
+    spans = [
         (lo, hi)
         for lo, hi in _overlaps(rows, pen)
         if lo <= LOOK <= hi or (real[lo : hi + 1].any() and free(min(arc[lo], arc[hi]), max(arc[lo], arc[hi])))
     ]
-    boxes = np.array([_box(rows, pen, lo, hi, step) for lo, hi in found])
+    boxes = np.array([_box(rows, pen, lo, hi, step) for lo, hi in spans])
     apart = np.hypot(_apart(boxes[:, 0], boxes[:, 1]), _apart(boxes[:, 2], boxes[:, 3]))
     # the zone of the main point and, to either side, neighbours that act on each other
     group = np.concatenate([[0], np.cumsum(np.diag(apart, 1) >= settings.apart)])
-    joined = np.flatnonzero(group == group[[lo <= LOOK <= hi for lo, hi in found].index(True)])
+    joined = np.flatnonzero(group == group[[lo <= LOOK <= hi for lo, hi in spans].index(True)])
     fading = np.clip((settings.apart - apart[np.ix_(joined, joined)]) / (settings.apart - settings.together), 0.0, 1.0)
-    inner, sizes = zip(*(_likely(rows, pen, *found[n], step) for n in joined), strict=True)
-    ends = [sorted((float(arc[found[n][0]]), float(arc[found[n][1]]))) for n in joined]
+    inner, sizes = zip(*(_likely(rows, pen, *spans[n], step) for n in joined), strict=True)
+    ends = [sorted((float(arc[spans[n][0]]), float(arc[spans[n][1]]))) for n in joined]
     footprint = Footprint(axis, depth, np.array(inner), np.array(sizes), fading**FADING)
     return footprint, [(lo - 2.0 * step, hi + 2.0 * step) for lo, hi in ends]
 

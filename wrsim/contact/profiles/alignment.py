@@ -3,7 +3,7 @@ face, of a rail the field side and what overhangs below its head. Robust least s
 normal of the unworn curve: a part that wears after all counts little.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy
@@ -24,26 +24,9 @@ FEWEST = 20  # points on the parts that do not wear
 SHORTEST_BASE = 10e-3  # extent of these parts, without which they do not hold the turn [m]
 
 
-@dataclass(frozen=True)
-class Alignment:
-    """Move of a scan onto an unworn profile: u, w [m], turn [rad], positive from u towards w; residual: median distance
-    of the points on the parts that do not wear [m], and how many these are."""
-
-    move: tuple[float, float]
-    turn: float
-    residual: float
-    count: int
-
-    def words(self, name: str) -> str:
-        """The alignment for people."""
-        u, w = (1e3 * x for x in self.move)
-        left = f"residual {1e3 * self.residual:.3f} mm of {self.count} points"
-        return f"aligned on {name}: moved by {u:.3f}, {w:.3f} mm, turned by {1e3 * self.turn:.2f} mrad, {left}"
-
-
-def aligned(points: ProfilePoints, unworn: Profile) -> tuple[ProfilePoints, Alignment]:
-    """The upright points of a scan moved and turned onto an unworn profile. Raises InputError where too little of what
-    does not wear was scanned."""
+def aligned(points: ProfilePoints, unworn: Profile) -> tuple[ProfilePoints, str]:
+    """The upright points of a scan moved and turned onto an unworn profile, and a note of it. Raises InputError where
+    too little of what does not wear was scanned."""
     curve = np.column_stack([unworn.u, unworn.w])
     normal = np.column_stack([-np.sin(unworn.angle), np.cos(unworn.angle)])
     keeps = _unworn_parts(unworn)
@@ -56,8 +39,8 @@ def aligned(points: ProfilePoints, unworn: Profile) -> tuple[ProfilePoints, Alig
         chosen = np.flatnonzero(keeps[node] & (near < FAR) & (node > 0) & (node < len(curve) - 1))
         part = points[chosen]
         if len(part) < FEWEST or float(np.hypot(*np.ptp(part.places, axis=0))) < SHORTEST_BASE:
-            words = f"{len(part)} points on the parts of {unworn.name} that do not wear; needed are {FEWEST}"
-            raise InputError(f"{points.file}: cannot be aligned: {words}, over {1e3 * SHORTEST_BASE:g} mm")
+            message = f"{len(part)} points on the parts of {unworn.name} that do not wear; needed are {FEWEST}"
+            raise InputError(f"{points.file}: cannot be aligned: {message}, over {1e3 * SHORTEST_BASE:g} mm")
 
         def distances(x: Array, part: ProfilePoints = part) -> Array:
             p = _moved(part, x).places
@@ -69,8 +52,10 @@ def aligned(points: ProfilePoints, unworn: Profile) -> tuple[ProfilePoints, Alig
             bounds=(x - reach, x + reach),
         )  # fmt: skip
         x = fit.x
-    found = Alignment((float(x[0]), float(x[1])), float(x[2]), float(np.median(np.abs(distances(x)))), len(part))
-    return _moved(points, x), found
+    u, w, turn = x
+    residual = 1e3 * float(np.median(np.abs(distances(x))))
+    moved = f"moved by {1e3 * u:.3f}, {1e3 * w:.3f} mm, turned by {1e3 * turn:.2f} mrad"
+    return _moved(points, x), f"aligned on {unworn.name}: {moved}, residual {residual:.3f} mm of {len(part)} points"
 
 
 def _mark(places: Array, kind: Kind) -> Array:

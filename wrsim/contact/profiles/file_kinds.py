@@ -12,12 +12,13 @@ import scipy
 from pydantic import Field
 
 from wrsim.contact.profiles import sections as shapes
-from wrsim.contact.profiles.files import HEIGHTS
+from wrsim.contact.profiles.files import HEIGHTS, ORIGINS, SIDES
 from wrsim.contact.profiles.flange import flange_dimensions
+from wrsim.contact.profiles.formats import METRES
 from wrsim.contact.profiles.profile import Kind, Profile
 from wrsim.errors import InputError
-from wrsim.inputs.section import Choice, Fault
-from wrsim.inputs.values import Day, List, Source, Two, number, text
+from wrsim.inputs.section import Choice, Fault, Section
+from wrsim.inputs.values import Day, List, Source, Two, number, positive, text
 
 MM = 1e-3
 REACH = 0.13  # length of the tread of a wheel of kind "flanged", more than a wheel's width [m]
@@ -318,6 +319,32 @@ class CircleFile(ProfileFile, kind="circle"):
 
     def build(self, path: Path) -> Profile:
         return shapes.circle(self.name, self.body, self.radius_mm * MM, self.half_width_mm * MM, self.source)
+
+
+class PointsKeys(Section):
+    """How a file of points is read."""
+
+    measured: bool | None = None
+    """Whether points are measured, so smoothed, or exact, so interpolated; left out: MiniProf is measured."""
+    cutoff_mm: Annotated[float, positive(100.0)] | None = None
+    """Length of the waves that smoothing halves; left out: 5 mm."""
+    unit: Literal[*METRES] | None = None  # type: ignore[valid-type]
+    """Unit of the coordinates; left out: what the file names, or mm."""
+    heights: Literal[*HEIGHTS] | None = None  # type: ignore[valid-type]
+    """Which way the file's heights grow; left out: what the file names, or its shape."""
+    field_side: Literal[*SIDES] | None = None  # type: ignore[valid-type]
+    """Sign of the file's lateral coordinates on the field side; left out: by the flange; of rails by format, groove,
+    inclination or wear."""
+    origin: Literal[*ORIGINS] | None = None  # type: ignore[valid-type]
+    """Where the lateral coordinate of a wheel is zero; left out: where its flange shows it."""
+    back_to_tape_circle_mm: BackToTapeCircle | None = None
+    """Distance of the tape circle from the flange back; left out: what the file or the wheelset names, or 70 mm."""
+
+    def options(self) -> dict[str, object]:
+        """Options of `read_points`."""
+        lengths = {"cutoff": self.cutoff_mm, "back": self.back_to_tape_circle_mm}
+        alike = {key: getattr(self, key) for key in ("unit", "heights", "field_side", "origin", "measured")}
+        return alike | {key: None if mm is None else mm * MM for key, mm in lengths.items()}
 
 
 ShapeFile = SectionsFile | ChainFile | FlangedFile | RailHeadFile | ConeFile | CircleFile

@@ -106,11 +106,11 @@ class Reading:
 
     def smoothed(self, cutoff: float) -> "Reading":
         """The same smoothed with another cut-off [m]. Raises InputError where the points are too far apart."""
-        own = self.profile
+        profile = self.profile
         if self.points is None:
-            raise InputError(f"{own.name}: is a shape by formula, with no points to smooth")
-        curve = _curve(self.points, own.kind, own.name, self.points.file, True, cutoff)
-        curve = replace(curve, notes=own.notes, back=own.back, head=own.head)
+            raise InputError(f"{profile.name}: is a shape by formula, with no points to smooth")
+        curve = _curve(self.points, profile.kind, profile.name, self.points.file, True, cutoff)
+        curve = replace(curve, notes=profile.notes, back=profile.back, head=profile.head)
         return replace(self, profile=curve, measured=True, cutoff=cutoff)
 
     @property
@@ -169,6 +169,46 @@ def read_points(
     suffix or its shape. Raises InputError with file, line and what is allowed.
     """
     path = Path(path)
+    scan, body = _scanned(path, kind, format)
+    options = _checked(path, stated, _reading.get({}).get(body, {}))
+    points, digit, notes = _metric(scan, options.get("unit"), body)
+    measured, cutoff = options.get("measured", scan.measured), options.get("cutoff")
+    points, joints = _cleaned(points, bool(measured))
+    unworn: Profile | None = options.get("align")
+    onto = unworn if unworn is not None and unworn.kind == body else None
+    place = placed(points, body, scan, options, None if onto else shift[0])
+    points = place.points.turned(turn) if turn else place.points
+    if onto:
+        points, alignment = aligned(points, onto)
+        joints.append(alignment)
+    if clip is not None:
+        points = points.clipped(*clip)
+    points = replace(points, u=points.u + shift[0])
+    noisy = measured is None and (cutoff is not None or curvature_scatter(points, digit) > 0.0)
+    smooth = bool(measured or noisy)
+    if cutoff is None:
+        cutoff = cutoff_for(points, digit) if noisy else CUTOFF
+    points, corners = rounded(points, body, 0.5 * np.pi if smooth else LARGEST_TURN)
+    points, gaps = filled(points, body, min(LARGEST_GAP * float(points.chords.sum()), 0.5 * cutoff))
+    check_points(points)
+    head = _head_of(points, bool(options.get("field_side") or scan.field_side)) if body == "rail" else 0
+    notes += [*scan.notes, *joints, *place.notes, *corners, *gaps]
+    if noisy:
+        smoothing = f"smoothed with a cut-off of {1e3 * cutoff:.2g} mm (measured, cutoff_mm)"
+        notes.append(f"the points scatter by {1e6 * scatter(points):.2g} um: {smoothing}")
+    curve = _curve(points, body, name or scan.name or path.stem, source or scan.source or path.name, smooth, cutoff)
+    tread = _tread_height(curve)
+    if abs(tread) > LEVEL:
+        notes.append(f"moved by {-1e3 * tread:.3f} mm to height 0 at the tape circle")
+    line = (f"{path.name}: {'; '.join(notes)}",) if notes else ()
+    begin = float(curve.arclength[np.argmin(np.hypot(curve.u - points.u[head], curve.w - points.w[head]))])
+    up = shift[1] - tread
+    curve = replace(curve, w=curve.w + up, notes=line, back=place.back, head=begin if head else 0.0)
+    return Reading(replace(points, w=points.w + up), curve, smooth, cutoff, scan.instrument)
+
+
+def _scanned(path: Path, kind: Kind | None, format: str | None) -> tuple[Scan, Kind]:
+    """Content of a file, and whose profile it is. Raises InputError."""
     if kind is not None and kind not in KINDS:
         raise InputError(f"{path}: kind = '{kind}'; allowed: {', '.join(KINDS)}{suggest(kind, KINDS)}")
     suffix = path.suffix.lower()
@@ -182,51 +222,22 @@ def read_points(
         raise InputError(f"{path}: unknown whether this is a wheel or a rail; give kind (--kind)")
     if by_file not in (None, body):
         raise InputError(f"{path}: this is a {by_file} profile; a {kind} is needed here")
-    options = _checked(path, stated, _reading.get({}).get(body, {}))
-    points, digit, notes = _metric(scan, options.get("unit"), body)
-    measured, cutoff = options.get("measured", scan.measured), options.get("cutoff")
-    points, joints = _cleaned(points, bool(measured))
-    heights, field_side, origin = (options.get(key) for key in ("heights", "field_side", "origin"))
-    back, by = options.get("back", scan.back), "as stated"
-    if back is None and (back := options.get("usual_back")):
-        by = "as of the wheelset"
-    unworn: Profile | None = options.get("align")
-    onto = unworn if unworn is not None and unworn.kind == body else None
-    place = placed(points, body, scan, heights, field_side, origin, back, by, None if onto else shift[0])
-    points = place.points.turned(turn) if turn else place.points
-    if onto:
-        points, alignment = aligned(points, onto)
-        joints.append(alignment.words(onto.name))
-    if clip is not None:
-        points = points.clipped(*clip)
-    points = replace(points, u=points.u + shift[0])
-    if noisy := measured is None and (cutoff is not None or curvature_scatter(points, digit) > 0.0):
-        cutoff = cutoff or cutoff_for(points, digit)
-    points, corners = rounded(points, body, 0.5 * np.pi if measured or noisy else LARGEST_TURN)
-    longest = LARGEST_GAP * float(points.chords.sum())
-    points, gaps = filled(points, body, min(longest, 0.5 * (cutoff or CUTOFF)))
-    check_points(points)
-    valley = groove_of(points) if body == "rail" else None
-    head = 0 if valley is None or points.u[valley] > points.u[-1] - HEAD else valley
-    if body == "rail" and not (field_side or scan.field_side):
-        check_gauge_side(points[head:])
-    notes += [*scan.notes, *joints, *place.notes, *corners, *gaps]
-    if noisy:
-        measured, found = True, f"the points scatter by {1e6 * scatter(points):.2g} um"
-        notes.append(f"{found}: smoothed with a cut-off of {1e3 * (cutoff or 0.0):.2g} mm (measured, cutoff_mm)")
-    cutoff = CUTOFF if cutoff is None else cutoff
-    title, origin_text = name or scan.name or path.stem, source or scan.source or path.name
-    curve = _curve(points, body, title, origin_text, bool(measured), cutoff)
-    up = shift[1]
-    if body == "wheel" and curve.u.min() <= 0.0 <= curve.u.max():
-        level = -float(curve.at(curve.arclength_of(0.0))[1])
-        up += level
-        if abs(level) > LEVEL:
-            notes.append(f"moved by {1e3 * level:.3f} mm to height 0 at the tape circle")
-    line = (f"{path.name}: {'; '.join(notes)}",) if notes else ()
-    begin = float(curve.arclength[np.argmin(np.hypot(curve.u - points.u[head], curve.w - points.w[head]))])
-    curve = replace(curve, w=curve.w + up, notes=line, back=place.back, head=begin if head else 0.0)
-    return Reading(replace(points, w=points.w + up), curve, bool(measured), cutoff, scan.instrument)
+    return scan, body
+
+
+def _head_of(rail: ProfilePoints, side_stated: bool) -> int:
+    """Index of the point of a rail at which its head begins, beside a check rail. Raises InputError."""
+    valley = groove_of(rail)
+    head = 0 if valley is None or rail.u[valley] > rail.u[-1] - HEAD else valley
+    if not side_stated:
+        check_gauge_side(rail[head:])
+    return head
+
+
+def _tread_height(curve: Profile) -> float:
+    """Height of a wheel's tread at the tape circle [m]; 0 where it is not on the curve."""
+    within = curve.kind == "wheel" and curve.u.min() <= 0.0 <= curve.u.max()
+    return float(curve.at(curve.arclength_of(0.0))[1]) if within else 0.0
 
 
 def _given(options: Mapping[str, Any]) -> dict[str, Any]:

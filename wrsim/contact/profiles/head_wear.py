@@ -31,10 +31,12 @@ def head_wear(rail: Profile, unworn: Profile) -> HeadWear:
     lateral = float(rail.at(side)[0] - unworn.at(unworn_side)[0])
     heads = rail.clipped(float(side), rail.length), unworn.clipped(float(unworn_side), unworn.length)
     vertical, corner = (_at_top(*(head.rotated(turn) for head in heads)) for turn in (0.0, -0.25 * np.pi))
-    own, other = rail.mirrored(), unworn.mirrored()
-    low = max(float(side.w[side.arclength < side.top_arclength].min(initial=side.top[1])) for side in (own, other))
-    level = low + 0.1 * (min(own.top[1], other.top[1]) - low)
-    field = [float(side.at(side.gauge_arclength(side.top[1] - level))[0]) for side in (own, other)]
+    worn_head, unworn_head = rail.mirrored(), unworn.mirrored()
+    low = max(
+        float(side.w[side.arclength < side.top_arclength].min(initial=side.top[1])) for side in (worn_head, unworn_head)
+    )
+    level = low + 0.1 * (min(worn_head.top[1], unworn_head.top[1]) - low)
+    field = [float(side.at(side.gauge_arclength(side.top[1] - level))[0]) for side in (worn_head, unworn_head)]
     return HeadWear(vertical, lateral, corner, field[0] - field[1])
 
 

@@ -12,12 +12,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from wrsim.contact.profiles.file_kinds import MM, BackToTapeCircle, Coordinate, Pair, ProfileFile, ShapeFile
+from wrsim.contact.profiles.file_kinds import MM, Coordinate, Pair, PointsKeys, ProfileFile, ShapeFile
 from wrsim.contact.profiles.files import (
-    HEIGHTS,
-    ORIGINS,
     PROFILE_FILES,
-    SIDES,
     Reading,
     read_points,
     reading_as,
@@ -25,7 +22,6 @@ from wrsim.contact.profiles.files import (
     suffix_fault,
 )
 from wrsim.contact.profiles.flange import with_back
-from wrsim.contact.profiles.formats import METRES
 from wrsim.contact.profiles.placing import check_tread
 from wrsim.contact.profiles.profile import Kind, Profile
 from wrsim.contact.profiles.wear import AnyRemoval, DepthTable, Direction, Removal, worn
@@ -34,7 +30,7 @@ from wrsim.inputs.checking import check_section, opened, refuse_other_kind
 from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section, kinds_in
-from wrsim.inputs.values import List, number, positive, text
+from wrsim.inputs.values import List, number, text
 
 SHORTEST = 5e-3  # arclength that a profile needs [m]: its tables have rows every 0.1 mm, contacts are some mm wide
 MOST_BASES = 20  # longest row of worn profiles that start from each other
@@ -116,28 +112,13 @@ def _named_by(key: str, name: str, path: Path, body: Kind) -> Profile:
         _building.reset(token)
 
 
-class PointsFile(ProfileFile, kind="points"):
+class PointsFile(PointsKeys, ProfileFile, kind="points"):
     """A file of points beside it."""
 
     file: Annotated[str, text("the name of a file of points, relative to this file,")]
     """The points: two columns, SIMPACK, MiniProf or VAMPIRE."""
     format: Literal[*PROFILE_FILES] | None = None  # type: ignore[valid-type]
     """How the file is to be read; left out, its suffix decides."""
-    measured: bool | None = None
-    """Whether points are measured, so smoothed, or exact, so interpolated; left out: MiniProf is measured."""
-    cutoff_mm: Annotated[float, positive(100.0)] | None = None
-    """Length of the waves that smoothing halves; left out: 5 mm."""
-    unit: Literal[*METRES] | None = None  # type: ignore[valid-type]
-    """Unit of the coordinates; left out: what the file names, or mm."""
-    heights: Literal[*HEIGHTS] | None = None  # type: ignore[valid-type]
-    """Which way the file's heights grow; left out: what the file names, or its shape."""
-    field_side: Literal[*SIDES] | None = None  # type: ignore[valid-type]
-    """Sign of the file's lateral coordinates on the field side; left out: by the flange; of rails by format, groove,
-    inclination or wear."""
-    origin: Literal[*ORIGINS] | None = None  # type: ignore[valid-type]
-    """Where the lateral coordinate of a wheel is zero; left out: where its flange shows it."""
-    back_to_tape_circle_mm: BackToTapeCircle | None = None
-    """Distance of the tape circle from the flange back; left out: what the file or the wheelset names, or 70 mm."""
     align: Annotated[str, text('the file of the unworn profile, such as "wheels/S1002.toml",')] | None = None
     """The unworn profile onto which the points are moved and turned by the parts that do not wear."""
     clip_mm: Pair | None = None
@@ -147,8 +128,8 @@ class PointsFile(ProfileFile, kind="points"):
     shift_mm: Pair = (0.0, 0.0)
     """Moves the profile outward and up, last of all."""
     flange_back_mm: Annotated[float, number(20.0, 150.0)] | None = None
-    """Of a wheel that is not measured to the back of its flange: distance of that from the tape circle, usually 70; an
-    arc leads there."""
+    """Distance of the flange back from the tape circle, usually 70, for a wheel that is not measured so far: an arc
+    leads there."""
 
     def consistency(self) -> Iterator[Fault]:
         if self.format is None and (fault := suffix_fault(Path(self.file))):
@@ -162,14 +143,11 @@ class PointsFile(ProfileFile, kind="points"):
 
     def reading(self, path: Path) -> Reading:
         """The points and the profile through them."""
-        alike = ("format", "name", "source", "measured", "unit", "heights", "field_side", "origin")
         reading = read_points(
-            path.parent / self.file, self.body, **{key: getattr(self, key) for key in alike},
+            path.parent / self.file, self.body, format=self.format, name=self.name, source=self.source,
             align=None if self.align is None else _named_by("align", self.align, path, self.body),
-            cutoff=None if self.cutoff_mm is None else self.cutoff_mm * MM,
             clip=None if self.clip_mm is None else (self.clip_mm[0] * MM, self.clip_mm[1] * MM),
-            back=None if self.back_to_tape_circle_mm is None else self.back_to_tape_circle_mm * MM,
-            turn=1e-3 * self.turn_mrad, shift=(self.shift_mm[0] * MM, self.shift_mm[1] * MM),
+            turn=1e-3 * self.turn_mrad, shift=(self.shift_mm[0] * MM, self.shift_mm[1] * MM), **self.options(),
         )  # fmt: skip
         if self.flange_back_mm is None:
             return reading
@@ -244,7 +222,7 @@ def readings_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Reading], tu
     files = {f.stem: f for f in sorted(folder.iterdir()) if f.suffix.lower() in endings}
     files = {stem: f for stem, f in files.items() if kind is None or endings[f.suffix.lower()] in (None, kind)}
     files |= {f.stem: f for f in sorted(folder.glob("*.toml"))}
-    found, refused = {}, dict[str, list[str]]()
+    readings, refused = {}, dict[str, list[str]]()
     for stem, file in sorted(files.items()):
         try:
             reading = load_reading(file, None if file.suffix == ".toml" else kind)
@@ -254,36 +232,28 @@ def readings_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Reading], tu
             refused.setdefault(why, []).append(file.name)
             continue
         if kind in (None, reading.profile.kind):
-            found[stem] = reading
+            readings[stem] = reading
     more = {why: f" and {len(names) - 3} more" if len(names) > 3 else "" for why, names in refused.items()}
     faults = tuple(f"{folder / ', '.join(names[:3])}{more[why]}{why}" for why, names in refused.items())
-    if not found:
+    if not readings:
         head = f"{folder}: has no {kind or 'wheel or rail'} profiles"
         raise InputError("\n".join((f"{head} (files that end in .toml or {' '.join(sorted(endings))})", *faults)))
-    return found, faults
+    return readings, faults
 
 
 def readings_of(
     names: Sequence[str], kind: Kind | None, models: Sequence[str | Path] = ()
 ) -> tuple[dict[str, Reading], tuple[str, ...]]:
     """Profiles of files and of folders, by the names of their files without ending; faults of files of folders."""
-    found, faults = dict[str, Reading](), list[str]()
+    readings, faults = dict[str, Reading](), list[str]()
     for name in names:
         if (folder := Path(name)).is_dir():
             inside, bad = readings_in(folder, kind)
             faults += bad
         else:
             inside = {folder.stem: load_reading(model_file(name, models), kind)}
-        found |= {f"{name}: {stem}" if stem in found else stem: reading for stem, reading in inside.items()}
-    return found, tuple(faults)
-
-
-def gathered(
-    names: Sequence[str], kind: Kind | None, models: Sequence[str | Path] = ()
-) -> tuple[dict[str, Profile], tuple[str, ...]]:
-    """The profiles of `readings_of`."""
-    found, faults = readings_of(names, kind, models)
-    return {name: reading.profile for name, reading in found.items()}, faults
+        readings |= {f"{name}: {stem}" if stem in readings else stem: reading for stem, reading in inside.items()}
+    return readings, tuple(faults)
 
 
 def read_profile_file(path: Path, kind: Kind | None) -> ProfileFile:

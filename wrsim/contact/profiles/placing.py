@@ -5,9 +5,10 @@ curve turns back: from the face over the tip to the back. A rail shows its gauge
 wear.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import scipy
@@ -62,31 +63,30 @@ class FlangeShape:
     face: float
 
 
-def placed(
-    points: ProfilePoints, body: Kind, scan: Scan, heights: Heights | None, field_side: Side | None,
-    origin: Origin | None, back: float | None, by: str, shift: float | None,
-) -> Placed:  # fmt: skip
+def placed(points: ProfilePoints, body: Kind, scan: Scan, options: Mapping[str, Any], shift: float | None) -> Placed:
     """Place the points of a scan, whose unit is applied.
 
-    heights, field_side, origin: as stated by the user; back: distance of the flange back from the tape circle where it
-    is known [m], and by: who states it; shift: lateral one that follows [m], None for points that are aligned and so
-    have any origin. Raises InputError where the shape contradicts or does not decide.
+    options: of `contact.profiles.files.read_points`; shift: lateral one that follows [m], None for points that are
+    aligned and so have any origin. Raises InputError where the shape contradicts or does not decide.
     """
-    heights, field_side = heights or scan.heights, field_side or scan.field_side
+    heights, field_side = options.get("heights", scan.heights), options.get("field_side", scan.field_side)
+    back, by = options.get("back", scan.back), "as stated"
+    if back is None and (back := options.get("usual_back")):
+        by = "as of the wheelset"
     if body == "rail":
         return _placed_rail(points, scan, heights, field_side)
-    found = _upright_wheel(points)
+    upright_wheel = _upright_wheel(points)
     notes: list[str] = []
-    if found is None:
+    if upright_wheel is None:
         if heights is None:
-            words = "the direction of its heights is unknown; give heights: up or down"
-            raise InputError(f"{points.file}: {words}, unless it is a rail: no flange is seen")
+            message = "the direction of its heights is unknown; give heights: up or down"
+            raise InputError(f"{points.file}: {message}, unless it is a rail: no flange is seen")
         return Placed(_signed(points, SIGNS[field_side or scan.convention] or 1.0, SIGNS[heights]), back, ())
-    sign_u, sign_w, shape = found
+    sign_u, sign_w, shape = upright_wheel
     if shape.tip is not None:
         if SIGNS[heights] not in (0.0, sign_w):
-            words = f"the flange points the wrong way up with heights '{heights}'; is it the other one?"
-            raise InputError(f"{points.file}: {words}")
+            message = f"the flange points the wrong way up with heights '{heights}'; is it the other one?"
+            raise InputError(f"{points.file}: {message}")
         if SIGNS[field_side] not in (0.0, sign_u):
             raise InputError(f"{points.file}: the flange is on the field side with field_side '{field_side}'")
     else:
@@ -97,7 +97,7 @@ def placed(
     upright = _signed(points, sign_u, sign_w)
     if shift is None:
         return Placed(upright, back, tuple(notes))
-    moved, distance, note = _from_tape_circle(points.file, shape, origin, back, by, shift)
+    moved, distance, note = _from_tape_circle(points.file, shape, options.get("origin"), back, by, shift)
     return Placed(replace(upright, u=upright.u + moved), distance, (*notes, *note))
 
 
@@ -117,9 +117,11 @@ def _sampled(points: ProfilePoints) -> tuple[Array, Array]:
 
 def _upright_wheel(points: ProfilePoints) -> tuple[float, float, FlangeShape] | None:
     """Signs of u and w that put the flange upright and inside, and its shape; None where that is not unique."""
-    found = [(u, w, shape) for u, w in product((1.0, -1.0), repeat=2) if (shape := _flange_of(_signed(points, u, w)))]
-    whole = [each for each in found if each[2].tip is not None]
-    return (whole or found)[0] if len(whole or found) == 1 else None
+    candidates = [
+        (u, w, shape) for u, w in product((1.0, -1.0), repeat=2) if (shape := _flange_of(_signed(points, u, w)))
+    ]
+    whole = [each for each in candidates if each[2].tip is not None]
+    return (whole or candidates)[0] if len(whole or candidates) == 1 else None
 
 
 def _flange_of(points: ProfilePoints) -> FlangeShape | None:

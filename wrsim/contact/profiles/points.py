@@ -1,7 +1,7 @@
 """Points of a file on their way to a profile: ordered, checked, joined by a spline over arclength [S 12].
 
 Every point has the number of its line, for messages. Exact points are interpolated, measured ones smoothed with a fixed
-cut-off wavelength over arclength (docs/theory/surfaces.md), on B-splines with evenly spaced knots (P. H. C. Eilers, B.
+cut-off wavelength over arclength (surf-smooth), on B-splines with evenly spaced knots (P. H. C. Eilers, B.
 D. Marx, Flexible smoothing with B-splines and penalties, Statistical Science 11, 1996).
 """
 
@@ -284,5 +284,5 @@ def smoothing_spline(s: Array, p: Array, cutoff: float) -> scipy.interpolate.BSp
     penalty = third.T @ scipy.sparse.diags_array(np.tile(0.5 * step * gauss_weight, count)) @ third
     matrix = (basis.T @ weight @ basis + (cutoff / (2.0 * np.pi)) ** 6 * penalty).tocsr()
     bands = [np.concatenate([matrix.diagonal(k), np.zeros(k)]) for k in range(DEGREE + 1)]
-    found = scipy.linalg.solveh_banded(np.stack(bands), basis.T @ (weight @ p), lower=True)
-    return scipy.interpolate.BSpline(knots, found, DEGREE)
+    coefficients = scipy.linalg.solveh_banded(np.stack(bands), basis.T @ (weight @ p), lower=True)
+    return scipy.interpolate.BSpline(knots, coefficients, DEGREE)

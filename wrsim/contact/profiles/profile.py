@@ -140,7 +140,7 @@ class Profile:
         return L - self.arclength[index], index
 
     def _evaluate(self, L: ArrayLike, *orders: int) -> list[Array]:
-        """Of position (0), first and second derivative with respect to L those that are asked for, each (..., 2)."""
+        """Position (0), first (1) and second (2) derivative with respect to L, as asked for, each (..., 2)."""
         x, i = self._locate(L)
         c0, c1, c2, c3, c4, c5 = self._coefficients[:, i]
         x = x[..., None]

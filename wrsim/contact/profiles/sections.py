@@ -161,7 +161,7 @@ def _nodes(section: ProfileSection, shift: Array) -> Array:
     shifted = [e for e in (0, 1) if np.abs(shift[e]).max() > 0.0]
 
     def moved(t: Array, orders: Sequence[int] = (0, 1, 2)) -> list[Array]:
-        found = [np.array(x) for x in section.evaluate(t)]
+        moved_curve = [np.array(x) for x in section.evaluate(t)]
         for e in shifted:
             sign, rate = (1.0, -1.0)[e], rates[e]
             x = sign * (t - ends[e]) * rate / fade  # 0 at the join, 1 where it ends
@@ -173,8 +173,8 @@ def _nodes(section: ProfileSection, shift: Array) -> Array:
                 c = polynomial.polymul([1.0, -3.0, 3.0, -1.0], start)
                 for k in orders:
                     bump = polynomial.polyval(x[near], polynomial.polyder(c, k))
-                    found[k][near, axis] += bump * (sign * rate / fade) ** k
-        return found
+                    moved_curve[k][near, axis] += bump * (sign * rate / fade) ** k
+        return moved_curve
 
     r, v, a = moved(t)
     L = arclengths(lambda x: moved(x, (1,))[1], t)
@@ -197,10 +197,10 @@ class Chain:
     def arc(self, radius: float, first: float, last: float) -> None:
         """Around a circle from one angle of the tangent to another one [rad], positive where it rises."""
         side = np.sign(last - first) * radius
-        own = ProfileArc(self.u - side * np.sin(first), self.w + side * np.cos(first), radius, first, last)
-        self.sections.append(own)
-        self.length += own.end
-        self.u, self.w = own.evaluate(np.array([own.end]))[0][0]
+        section = ProfileArc(self.u - side * np.sin(first), self.w + side * np.cos(first), radius, first, last)
+        self.sections.append(section)
+        self.length += section.end
+        self.u, self.w = section.evaluate(np.array([section.end]))[0][0]
 
 
 def head_arcs(name: str, radii: Sequence[float], half_widths: Sequence[float], side_slope: float) -> list[ProfileArc]:

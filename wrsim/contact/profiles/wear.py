@@ -1,6 +1,6 @@
 """Worn profiles: material taken off another profile, by bells or by tables of depths along its normals.
 
-The equations of the worn curve are those of docs/theory/surfaces.md. A bell is laid along the outward coordinate u
+The worn curve is (surf-worn), a bell (surf-bell). A bell is laid along the outward coordinate u
 (vertical) or the arclength from the profile's origin (normal, outward positive). Material taken off along the normal
 leaves a corner wherever the curvature jumps while the depth changes: where two arcs of a rail head met. A quintic over
 0.1 mm on either side bridges it, as a spline through points that far apart would. Depths may be negative: material that
@@ -185,7 +185,7 @@ class _Bells:
 def _nodes(new: Profile, bells: _Bells, corners: Array) -> Array:
     """Arclengths of the unworn curve at which the worn one has nodes: its nodes, ends of bells, edges of bridges."""
     extra = [corners - BRIDGE, corners + BRIDGE]
-    for removal, edge in ((own, edge) for own in bells.removals for edge in own.edges):
+    for removal, edge in ((bell, edge) for bell in bells.removals for edge in bell.edges):
         if removal.direction == "normal":
             extra.append(np.array([edge + bells.origin]))
         else:  # everywhere that the curve passes this u
@@ -259,9 +259,9 @@ def on_unworn(profile: Profile, table: DepthTable | None, length: float, lost: A
     edges = np.linspace(0.0, profile.length, count + 1)
     places = edges if table is None else arclengths(lambda at: _Bells(profile, (table,)).curve(at)[1], edges)
     places = places * (length / places[-1])
-    own = np.linspace(0.0, length, lost.size + 1)
-    gone = np.concatenate([[0.0], np.cumsum(lost * (own[1] - own[0]))])
-    return np.diff(np.interp(places, own, gone)) / (edges[1] - edges[0])
+    bins = np.linspace(0.0, length, lost.size + 1)
+    gone = np.concatenate([[0.0], np.cumsum(lost * (bins[1] - bins[0]))])
+    return np.diff(np.interp(places, bins, gone)) / (edges[1] - edges[0])
 
 
 def area_off(profile: Profile, table: DepthTable) -> tuple[float, float]:
@@ -272,7 +272,7 @@ def area_off(profile: Profile, table: DepthTable) -> tuple[float, float]:
     edges = np.unique(np.concatenate([profile.arclength, np.clip(table.places + origin, 0.0, profile.length)]))
     half = 0.5 * np.diff(edges)
     L = (0.5 * (edges[1:] + edges[:-1]) + np.multiply.outer(x, half)).ravel()
-    own = np.multiply.outer(weight, half).ravel()
+    weights = np.multiply.outer(weight, half).ravel()
     depth = table.at(L - origin)[0]
     sign = 1.0 if profile.kind == "rail" else -1.0
-    return float((own * depth).sum()), float((own * 0.5 * sign * profile.curvature(L) * depth**2).sum())
+    return float((weights * depth).sum()), float((weights * 0.5 * sign * profile.curvature(L) * depth**2).sum())

@@ -1,27 +1,16 @@
-"""The contact locus: the curve on a yawed wheel that can touch a straight rail.
+"""The contact locus (search-locus): the curve on a yawed wheel that can touch a straight rail.
 
-A wheel is a surface of revolution of radius rho(u) about its axle. A straight rail along t can touch it only where
-the wheel's normal has no t-component. With d the radial direction of the point,
-d . t = -(dw/dL) / (du/dL) e_t, which is sin(theta) = rho'(u) e_t / sqrt(1 - e_t^2) in the angle theta around the
-axle from the lowest point. Seen along t the locus is the outline of the wheel: a plane curve in (o, b) that meets
-the rail profile as an unyawed wheel would; its t-coordinate is the longitudinal shift of each strip.
-
-Curvatures follow Euler and the shape operator: with the principal curvatures k1 = (du/dL) / rho (around) and k2
-(along the profile), alpha the angle between t and the circumference (sin alpha = e_t / (du/dL)):
-
-- along the rail           k_t = cos^2(alpha) k1 + sin^2(alpha) k2
-- of the outline           k1 k2 / k_t
-- arclength of the profile per arclength of the outline   k1 cos(alpha) / k_t  ("shrink")
-  (so the curvature of the outline is also shrink k2 / cos(alpha))
+Seen along t the locus is the outline of the wheel: a plane curve in (o, b) that meets the rail profile as an unyawed
+wheel would; its t-coordinate is the longitudinal shift of each strip. Its curvatures are (search-curvature), with
+k1 = (du/dL) / rho around and k2 along the profile. The arclength of the profile per arclength of the outline is
+k1 cos(alpha) / k_t ("shrink"), so the curvature of the outline is also shrink k2 / cos(alpha).
 
 A concave flange root at a large yaw can make k_t vanish: the wheel then touches at two places, ahead and behind, and
 the outline has a cusp. k_t is held at ``LEAST_ROLLING_CURVATURE`` k1 there; no wheelset in service gets near.
 
-Of a wheel out of round (surfaces.wheel_shape) the same in terms of its second form II, with r_u and r_theta along
-profile and circumference, t = a r_u + b r_theta, K the Gaussian curvature:
-
-- k_t = II(t, t), of the outline K / k_t
-- arclength of the outline per arclength of the profile   (du/dL) |r_u - (r_u . t) t| k_t / (b II(t, r_theta))
+A wheel out of round (surfaces.wheel_shape) has the curvatures (oor-curvature); with r_u and r_theta along profile and
+circumference, t = a r_u + b r_theta, the arclength of its outline per arclength of the profile is
+(du/dL) |r_u - (r_u . t) t| k_t / (b II(t, r_theta)).
 """
 
 from math import sqrt
@@ -89,28 +78,28 @@ def _cosine(s2: float) -> float:
 def locus_point(wheel: PlacedWheel, arc: float) -> Locus:
     """Point of the locus at profile arclength ``arc``."""
     origin, e, q = wheel.origin, wheel.axle, wheel.q
-    at = profile_point(wheel.profile, arc)
-    u = at.u
-    rho = wheel.radius - at.w
+    profile = profile_point(wheel.profile, arc)
+    u = profile.u
+    rho = wheel.radius - profile.w
     if wheel.lean == 0.0:
         if wheel.shape.depth.shape[0] > 0:
-            return _out_of_round_point(wheel, at)
-        to_axle = rho / max(at.tu, 1e-3)
+            return _out_of_round_point(wheel, profile)
+        to_axle = rho / max(profile.tu, 1e-3)
         return Locus(
             origin.x,
             origin.y + u * e.y + rho * e.z,
             origin.z + u * e.z - rho * e.y,
-            at.tw * e.y + at.tu * e.z,
-            at.tw * e.z - at.tu * e.y,
+            profile.tw * e.y + profile.tu * e.z,
+            profile.tw * e.z - profile.tu * e.y,
             1.0,
             to_axle,
             to_axle,
-            at.k,
+            profile.k,
         )
     iq = 1.0 / q
-    inverse_c = 1.0 / max(at.tu, 1e-3)
+    inverse_c = 1.0 / max(profile.tu, 1e-3)
     sin_alpha = e.x * inverse_c
-    sine = -at.tw * sin_alpha * iq
+    sine = -profile.tw * sin_alpha * iq
     if abs(sine) > LARGEST_SINE or abs(sin_alpha) > LARGEST_SINE:
         sine = min(max(sine, -LARGEST_SINE), LARGEST_SINE)
         sin_alpha = min(max(sin_alpha, -LARGEST_SINE), LARGEST_SINE)
@@ -120,65 +109,65 @@ def locus_point(wheel: PlacedWheel, arc: float) -> Locus:
     db = (-cosine * e.y - sine * e.x * e.z) * iq
     r1 = rho * inverse_c
     sin2 = sin_alpha * sin_alpha
-    inverse_ratio = 1.0 / max(1.0 - sin2 + sin2 * at.k * r1, LEAST_ROLLING_CURVATURE)  # k1 / k_t
+    inverse_ratio = 1.0 / max(1.0 - sin2 + sin2 * profile.k * r1, LEAST_ROLLING_CURVATURE)  # k1 / k_t
     # the normal has no t-component, so its other two make a unit vector as they stand;
     # t . circumference = cos(theta) q = cos(alpha)
     return Locus(
         origin.x + u * e.x + rho * sine * q,
         origin.y + u * e.y + rho * do,
         origin.z + u * e.z + rho * db,
-        at.tw * e.y + at.tu * do,
-        at.tw * e.z + at.tu * db,
+        profile.tw * e.y + profile.tu * do,
+        profile.tw * e.z + profile.tu * db,
         cosine * q * inverse_ratio,
         r1 * inverse_ratio,
         r1,
-        at.k,
+        profile.k,
     )
 
 
 @inlined
-def locus_node(wheel: PlacedWheel, at: ProfilePoint, largest: float) -> Node:
+def locus_node(wheel: PlacedWheel, profile: ProfilePoint, largest: float) -> Node:
     """The outline at a point of the profile, without its curvature. Where abs(sine) is not below ``largest`` the locus
     has no point (a nearly vertical flank of a yawed wheel touches nowhere) or climbs around the wheel, and the plain
     section is returned."""
     origin, e, q = wheel.origin, wheel.axle, wheel.q
     if wheel.shape.depth.shape[0] > 0:
-        return _out_of_round_node(wheel, at)
-    rho = wheel.radius - at.w
+        return _out_of_round_node(wheel, profile)
+    rho = wheel.radius - profile.w
     iq = 1.0 / q
-    sine = -at.tw * e.x * iq / max(at.tu, 1e-3)
+    sine = -profile.tw * e.x * iq / max(profile.tu, 1e-3)
     angle = sine if abs(sine) < largest else 0.0
     cosine = _cosine(angle * angle)
     do = (cosine * e.z - angle * e.x * e.y) * iq
     db = (-cosine * e.y - angle * e.x * e.z) * iq
     return Node(
-        origin.y + at.u * e.y + rho * do,
-        origin.z + at.u * e.z + rho * db,
-        at.tw * e.y + at.tu * do,
-        at.tw * e.z + at.tu * db,
+        origin.y + profile.u * e.y + rho * do,
+        origin.z + profile.u * e.z + rho * db,
+        profile.tw * e.y + profile.tu * do,
+        profile.tw * e.z + profile.tu * db,
         sine,
     )
 
 
 @kernel
-def _out_of_round_point(wheel: PlacedWheel, at: ProfilePoint) -> Locus:
+def _out_of_round_point(wheel: PlacedWheel, profile: ProfilePoint) -> Locus:
     """As ``locus_point``."""
     e_t, q = wheel.axle.x, wheel.q
-    on = touch(wheel, at.u, at.w, slope_across(at))
-    form = second_form(at, on)
-    o, b, no, nb = _seen_along(wheel, at, on)
+    on = touch(wheel, profile.u, profile.w, slope_across(profile))
+    form = second_form(profile, on)
+    o, b, no, nb = _seen_along(wheel, profile, on)
     a, c = e_t, q * on.cosine / on.p
     k_t = (a * a * form.uu + 2.0 * a * c * form.ua + c * c * form.aa) / form.size
     least = LEAST / (on.p * form.size)
     mixed = c * q * on.rate / form.size  # b II(t, r_theta)
     dot = e_t + on.p_u * q * on.sine
-    across = at.tu * sqrt(max(1.0 + on.p_u * on.p_u - dot * dot, 1e-6))
+    across = profile.tu * sqrt(max(1.0 + on.p_u * on.p_u - dot * dot, 1e-6))
     size2 = form.size * form.size
     gauss = (form.uu * form.aa - form.ua * form.ua) / (on.p * on.p * size2 * size2)
-    x = wheel.origin.x + at.u * e_t + on.p * on.sine * q
+    x = wheel.origin.x + profile.u * e_t + on.p * on.sine * q
     k_mean = max(k_t, least)
     if wheel.shape.averaged > 0.0:
-        k_mean, ahead = mean_curvature(wheel, at, on, form.size)
+        k_mean, ahead = mean_curvature(wheel, profile, on, form.size)
         x += ahead
     out = (no * wheel.axle.z - nb * wheel.axle.y) / q
     return Locus(
@@ -188,11 +177,11 @@ def _out_of_round_point(wheel: PlacedWheel, at: ProfilePoint) -> Locus:
 
 
 @inlined
-def _seen_along(wheel: PlacedWheel, at: ProfilePoint, on: Touch) -> tuple[float, float, float, float]:
+def _seen_along(wheel: PlacedWheel, profile: ProfilePoint, on: Touch) -> tuple[float, float, float, float]:
     """Point and normal of the outline (o, b, no, nb)."""
     origin, e = wheel.origin, wheel.axle
     iq = 1.0 / wheel.q
-    axial, down = at.u - on.p * on.sine * e.x * iq, on.p * on.cosine * iq
+    axial, down = profile.u - on.p * on.sine * e.x * iq, on.p * on.cosine * iq
     ne, nd = -on.p_u * iq, on.cosine + on.turn * on.sine
     unit = iq / sqrt(ne * ne + nd * nd)
     ne, nd = ne * unit, nd * unit
@@ -203,11 +192,11 @@ def _seen_along(wheel: PlacedWheel, at: ProfilePoint, on: Touch) -> tuple[float,
 
 
 @kernel
-def _out_of_round_node(wheel: PlacedWheel, at: ProfilePoint) -> Node:
+def _out_of_round_node(wheel: PlacedWheel, profile: ProfilePoint) -> Node:
     """As ``locus_node``; the sine is that of a round wheel."""
-    on = touch(wheel, at.u, at.w, slope_across(at))
-    o, b, no, nb = _seen_along(wheel, at, on)
-    return Node(o, b, no, nb, -at.tw * wheel.axle.x / (wheel.q * max(at.tu, 1e-3)))
+    on = touch(wheel, profile.u, profile.w, slope_across(profile))
+    o, b, no, nb = _seen_along(wheel, profile, on)
+    return Node(o, b, no, nb, -profile.tw * wheel.axle.x / (wheel.q * max(profile.tu, 1e-3)))
 
 
 @kernel
@@ -222,6 +211,6 @@ def outline(
     if depth.shape[0] > 0:
         find_branches(wheel)
     for i in range(arc.shape[0]):
-        at = locus_node(wheel, profile_point(wheel.profile, arc[i]), DRAWN_SINE)
-        out[0, i] = at.o
-        out[1, i] = at.b
+        drawn = locus_node(wheel, profile_point(wheel.profile, arc[i]), DRAWN_SINE)
+        out[0, i] = drawn.o
+        out[1, i] = drawn.b

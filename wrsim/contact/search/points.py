@@ -1,11 +1,8 @@
-"""Search for the main contact points of a wheel outline and a rail profile.
+"""Search for the main contact points of a wheel outline and a rail profile, by the steps of docs/theory/search.md.
 
-The rail carries a field of signed distances (negative inside the steel) with the arclength of the nearest rail
-point. The outline of the wheel is followed node by node; because a distance changes by no more than the way walked,
-most of the outline is skipped. Near the rail the slope of the distance along the outline, t_w . n_r, tells how far the
-next step may go. Each change of its sign from minus to plus is a local minimum of the distance, found to round-off by
-Newton's method: a place where the connecting vector is parallel to both normals [S 13-15]. Distances are measured along
-normals throughout, so a vertical rail side is as good as the crown.
+The field of signed distances is negative inside the steel. Near the rail the slope of the distance along the outline is
+t_w . n_r. A local minimum of the distance is a place where the connecting vector is parallel to both normals [S 13-15].
+Distances are measured along normals throughout, so a vertical rail side is as good as the crown.
 """
 
 from math import inf, sqrt
@@ -84,14 +81,14 @@ def field_distance(field: Field, o: float, b: float) -> tuple[float, float]:
 def project(rail: Rail, o: float, b: float, arc: float, steps: int) -> Foot:
     """Foot of the perpendicular from (o, b) on the rail by ``steps`` Newton steps from ``arc``."""
     for i in range(steps + 1):
-        at = rail_point(rail, arc)
-        no, nb = -at.tw, at.tu
-        du, dw = o - at.u, b - at.w
+        point = rail_point(rail, arc)
+        no, nb = -point.tw, point.tu
+        du, dw = o - point.u, b - point.w
         distance = du * no + dw * nb
         if i == steps:
             break
-        arc += (du * at.tu + dw * at.tw) / max(1.0 - at.k * distance, 0.2)
-    return Foot(arc, distance, no, nb, at.k)
+        arc += (du * point.tu + dw * point.tw) / max(1.0 - point.k * distance, 0.2)
+    return Foot(arc, distance, no, nb, point.k)
 
 
 @inlined
@@ -99,17 +96,17 @@ def _near(rail: Rail, o: float, b: float, foot: float, no: float, nb: float) -> 
     """Distance of (o, b) from a rail that changes along the track, arclength of its foot, and slope of the distance
     along a wheel outline with normal (no, nb); foot: about where it is. Right to second order in how far that is off,
     which the samples of a search want; else by Newton's method."""
-    at = rail_chord(rail, foot)
-    du, dw = o - at.u, b - at.w
-    distance = dw * at.tu - du * at.tw
-    lean = 1.0 / max(1.0 - at.k * distance, 0.2)
-    off = (du * at.tu + dw * at.tw) * lean
-    turn = at.k * off
+    chord = rail_chord(rail, foot)
+    du, dw = o - chord.u, b - chord.w
+    distance = dw * chord.tu - du * chord.tw
+    lean = 1.0 / max(1.0 - chord.k * distance, 0.2)
+    off = (du * chord.tu + dw * chord.tw) * lean
+    turn = chord.k * off
     if abs(turn) > LARGEST_TURN or abs(off) > FARTHEST_FOOT:
         on_rail = project(rail, o, b, foot, 2)
         return on_rail.distance, on_rail.arc, no * on_rail.nb - nb * on_rail.no
     # normal over the foot: (-tw - turn tu, tu - turn tw)
-    slope = no * (at.tu - turn * at.tw) + nb * (at.tw + turn * at.tu)
+    slope = no * (chord.tu - turn * chord.tw) + nb * (chord.tw + turn * chord.tu)
     return distance - 0.5 * turn * off / lean, foot + off, slope
 
 
@@ -130,26 +127,26 @@ def refine(wheel: PlacedWheel, rail: Rail, lo: float, hi: float, arc: float, foo
     last = 1.0  # length of the last step
     before, slope_before = arc, inf
     for _ in range(60):
-        at = locus_point(wheel, arc)
-        on_rail = project(rail, at.o, at.b, foot, projections)
+        point = locus_point(wheel, arc)
+        on_rail = project(rail, point.o, point.b, foot, projections)
         foot, distance = on_rail.arc, on_rail.distance
         projections = 1
-        slope = -at.nb * on_rail.no + at.no * on_rail.nb  # wheel tangent (-nb, no) times rail normal
-        cosine = -(at.no * on_rail.no + at.nb * on_rail.nb)
-        curvature = at.shrink * at.k - on_rail.k
+        slope = -point.nb * on_rail.no + point.no * on_rail.nb  # wheel tangent (-nb, no) times rail normal
+        cosine = -(point.no * on_rail.no + point.nb * on_rail.nb)
+        curvature = point.shrink * point.k - on_rail.k
         if kind * slope < 0.0:
             lo = arc
         else:
             hi = arc
         lean = max(1.0 - on_rail.k * distance, 0.2)
-        rate = at.k * cosine - on_rail.k * cosine * cosine / (lean * at.shrink)
+        rate = point.k * cosine - on_rail.k * cosine * cosine / (lean * point.shrink)
         if abs(slope) > FALL * abs(slope_before):
             secant = (slope - slope_before) / (arc - before)
             rate = secant if kind * secant > 0.0 else rate
         before, slope_before = arc, slope
         step = -slope / rate if kind * rate > 0.0 else 2.0 * (hi - lo)
         if abs(step) < CLOSE or hi - lo < CLOSE:
-            on_rail = project(rail, at.o, at.b, foot, projections)
+            on_rail = project(rail, point.o, point.b, foot, projections)
             foot, distance = on_rail.arc, on_rail.distance
             at_end = hi - lo < CLOSE and (lo == ends[0] or hi == ends[1])
             status = NONE if at_end and abs(slope) < DOUBTFUL and distance > -DEEP else EXACT
@@ -159,7 +156,7 @@ def refine(wheel: PlacedWheel, rail: Rail, lo: float, hi: float, arc: float, foo
         if new <= lo or new >= hi or abs(step) > 0.5 * last:
             new = 0.5 * (lo + hi)
         last = abs(new - arc)
-        foot += (new - arc) * cosine / (lean * at.shrink)
+        foot += (new - arc) * cosine / (lean * point.shrink)
         arc = new
     return Stationary(arc, foot, distance, curvature, status)
 

@@ -9,7 +9,7 @@ nothing. All this belongs to the pose alone.
 from math import sqrt
 
 from wrsim.contact.records import STATUS_PROFILE_END, WheelPose
-from wrsim.contact.search.lobes import LEAST_ROOM, WIDEST, room_beside
+from wrsim.contact.search.lobes import MIN_DISTANCE, WIDEST, distance_to_saddles
 from wrsim.contact.strips.equations import set_fading
 from wrsim.contact.strips.grid import find_end, grade_rows, sample_rows
 from wrsim.contact.strips.records import ROWS, System, V
@@ -33,7 +33,7 @@ def set_grids(system: System, contacts: Records, pose: WheelPose, count: int) ->
     while i < count:
         first = memo.grids
         grid = system.grids[first]
-        limit = max(contacts[i].arc_rail - system.grids[first - 1].most, LEAST_ROOM) if first > 0 else WIDEST
+        limit = max(contacts[i].arc_rail - system.grids[first - 1].most, MIN_DISTANCE) if first > 0 else WIDEST
         distance, beyond = find_end(wheel, rail, contacts[i], -1.0, limit)
         grid.least = contacts[i].arc_rail - distance
         status |= STATUS_PROFILE_END if beyond else 0
@@ -41,7 +41,7 @@ def set_grids(system: System, contacts: Records, pose: WheelPose, count: int) ->
         while True:
             while last < count - 1 and contacts[last].saddle > SAME_OVERLAP * _shallower(contacts, last):
                 last += 1
-            limit = room_beside(contacts, last, count)[1]
+            limit = distance_to_saddles(contacts, last, count)[1]
             apart = last < count - 1 and contacts[last].saddle < 0.0
             if apart:
                 limit = contacts[last + 1].arc_rail - contacts[last].arc_rail

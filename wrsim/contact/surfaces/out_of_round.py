@@ -88,13 +88,13 @@ class Flat:
         x = np.abs((angle - self.angle + np.pi) % TURN - np.pi)
         if self.edge > 0.0:
             half = 0.5 * self.edge / radius
-            found = (self._area(x + half, radius) - self._area(x - half, radius)) / (2.0 * half)
+            deviation = (self._area(x + half, radius) - self._area(x - half, radius)) / (2.0 * half)
         else:
             way = np.minimum(x * radius / self.length, 0.5)
-            found = 0.5 * self.deepest * (1.0 + np.cos(TURN * way))
+            deviation = 0.5 * self.deepest * (1.0 + np.cos(TURN * way))
         if not self.width:
-            return np.asarray(found[:, None])
-        return np.maximum(found[:, None] - self.deepest * (2.0 * (across - self.centre) / self.width) ** 2, 0.0)
+            return np.asarray(deviation[:, None])
+        return np.maximum(deviation[:, None] - self.deepest * (2.0 * (across - self.centre) / self.width) ** 2, 0.0)
 
     def _area(self, x: Array, radius: float) -> Array:
         """Integral of a chord's depth from its middle to an angle."""
@@ -164,20 +164,20 @@ class RadiusTable:
         if self.across.size:
             inside = np.clip(across, self.across[0], self.across[-1])
             values = scipy.interpolate.Akima1DInterpolator(self.across, values, axis=1)(inside)
-        at = known[0] + (angle - known[0]) % TURN
-        found = np.column_stack([np.interp(at, known, column) for column in values.T])
+        measured = known[0] + (angle - known[0]) % TURN
+        deviation = np.column_stack([np.interp(measured, known, column) for column in values.T])
         for stretch in stretches:
-            own = known[stretch]
-            if own.size < 3:
+            knots = known[stretch]
+            if knots.size < 3:
                 continue
-            inside = (at >= own[0]) & (at <= own[-1])
+            inside = (measured >= knots[0]) & (measured <= knots[-1])
             closed = len(stretches) == 1
-            spline = scipy.interpolate.CubicSpline(own, values[stretch], bc_type="periodic" if closed else "clamped")
-            found[inside] = spline(at[inside])
+            spline = scipy.interpolate.CubicSpline(knots, values[stretch], bc_type="periodic" if closed else "clamped")
+            deviation[inside] = spline(measured[inside])
         if self.shortest > 0.0:
             wave = np.arange(angle.size // 2 + 1) * self.shortest / (TURN * radius)
-            found = np.fft.irfft(np.fft.rfft(found, axis=0) * 0.5 ** (wave**2)[:, None], angle.size, axis=0)
-        return -found
+            deviation = np.fft.irfft(np.fft.rfft(deviation, axis=0) * 0.5 ** (wave**2)[:, None], angle.size, axis=0)
+        return -deviation
 
     def spacing(self, radius: float) -> tuple[float, float]:
         """See `Harmonic.spacing`."""

@@ -1,16 +1,12 @@
 """A rail at a wheel: its profile, or the effective profile (envelope) of sections that change along the track.
 
-A rail that turns about itself, as it does on a ramp of cant, rises along the track wherever it is touched beside its
-origin, and one that bends wherever a yawed wheel touches it ahead of its axle or behind. These are slopes of 0.1 to 2
-mrad; without them the work of lifting or pushing the wheel would be missing.
+A rail that turns about itself, as it does on a ramp of cant, and one that bends rise along the track (surf-slope).
+These are slopes of 0.1 to 2 mrad; without them the work of lifting or pushing the wheel would be missing.
 
 Between stations the tables are cubics of the distance (values and rates at both), row by row; between rows a point is
 read as in ``surfaces.profile_table``. A yawed wheel touches every point at the place where its own outline has it, by
-e_x (u - R tan) ahead with the tangent's slope across.
-
-What is touched ahead of the outline is felt as high as it is there, not as wide: a flank that moves along its normal
-by m a metre is felt stretched, by some m e_x R k. So a rail that runs outward is looked at in axes of its own, turned
-in plan by the angle whose sine is ``sine``: there a straight rail laid askew is a prism, and yaw is relative to it.
+e_x (u - R tan) ahead with the tangent's slope across. A rail that runs outward is looked at in axes of its own, turned
+in plan by the angle whose sine is ``sine`` (surf-heading).
 """
 
 from math import atan2, inf, sqrt
@@ -75,9 +71,9 @@ def _share(rail: Rail, row: int) -> tuple[Share, float]:
     cosine = sqrt(1.0 - rail.sine * rail.sine)
     if rail.yaw == 0.0:
         return rail.share, -rail.sine * rail.beside * cosine
-    own = rail.share.low + row
-    tangent = min(max(rail.table[own, 3] / max(rail.table[own, 2], 1e-3), -STEEPEST), STEEPEST)
-    ahead = rail.beside + rail.yaw * (rail.table[own, 0] - rail.o - rail.radius * tangent)
+    index = rail.share.low + row
+    tangent = min(max(rail.table[index, 3] / max(rail.table[index, 2], 1e-3), -STEEPEST), STEEPEST)
+    ahead = rail.beside + rail.yaw * (rail.table[index, 0] - rail.o - rail.radius * tangent)
     way = ahead * cosine
     return share_at(rail.stations, rail.rows, rail.place + way, rail.share.at), -rail.sine * way
 
@@ -146,8 +142,8 @@ def rail_and_envelope(rail: Rail, arc: float) -> tuple[ProfilePoint, Envelope]:
 
 @inlined
 def _at(rail: Rail, arc: float) -> tuple[float, int, tuple[Share, float], tuple[Share, float]]:
-    """Of a rail that changes along the track: arclength in rows, held on them; the row before; where that one and the
-    next are touched (``_share``)."""
+    """Place on a rail that changes along the track: arclength in rows, held on them; the row before; where that
+    one and the next are touched (``_share``)."""
     x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
     i = min(int(x), rail.rows - 2)
     return x, i, _share(rail, i), _share(rail, i + 1)
@@ -174,9 +170,8 @@ def along(rail: Rail, envelope: Envelope, point: ProfilePoint, x: float, to_axle
     """What the rail does along the track where its section has ``point`` and ``envelope`` and a wheel touches at x [m];
     nothing where it is one profile that neither turns nor bends.
 
-    A section that turns by ``twist`` a metre about (0, 0) rises along its normal by twist (u tu + w tw), one that bends
-    by bow_b tu - bow_o tw times the way from the wheel's section. It is touched so far ahead of x that the true normal
-    meets the axle, at the distance ``to_axle``: a wheel without friction is not driven.
+    The section rises along its normal by (surf-slope), omega = ``twist`` about (0, 0). It is touched so far ahead of x
+    that the true normal meets the axle, at the distance ``to_axle``: a wheel without friction is not driven.
     """
     bow = rail.bow_b * point.tu - rail.bow_o * point.tw
     rise = rail.twist * (point.u * point.tu + point.w * point.tw) + bow * (x + envelope.ahead)
@@ -215,9 +210,9 @@ class Heading(NamedTuple):
 
 
 class Row(NamedTuple):
-    """Of a row at some distance ahead, in axes turned by a heading: place ahead; point (u, w) lowered by the wheel's
-    drop, tangent; along the track the rates of place, point and tangent without the drop's, second derivative of the
-    point; how fast the lowered point still rises along its normal."""
+    """State of a row at some distance ahead, in axes turned by a heading: place ahead; point (u, w) lowered by the
+    wheel's drop, tangent; along the track the rates of place, point and tangent without the drop's, second derivative
+    of the point; how fast the lowered point still rises along its normal."""
 
     ahead: float
     u: float
@@ -308,7 +303,7 @@ def envelope_rows(
     for row in range(n):
         i = interval(knots, s, 0)
         axle = _lowered_row(c, knots, ends, row, s, 0.0, radius, i, heading)
-        best, low, high, found = -inf, 0.0, 0.0, 0.0
+        best, low, high, within_reach = -inf, 0.0, 0.0, 0.0
         farthest, place = -inf, 0.0
         before = out_before = 0.0
         i = interval(knots, s - reach, i)
@@ -320,11 +315,11 @@ def envelope_rows(
             if height > farthest:
                 farthest, place = height, x
             if before > 0.0 and at.miss <= 0.0 and max(height, out_before) > best:
-                best, low, high, found = max(height, out_before), last, x, 1.0
+                best, low, high, within_reach = max(height, out_before), last, x, 1.0
             before, out_before, last = at.miss, height, x
             x = _next(knots, s + x, i, step) - s
         x = place
-        if found > 0.0:
+        if within_reach > 0.0:
             for _ in range(50):
                 x = 0.5 * (low + high)
                 i = interval(knots, s + x, i)
@@ -335,13 +330,13 @@ def envelope_rows(
         i = interval(knots, s + x, i)
         at = _lowered_row(c, knots, ends, row, s, x, radius, i, heading)
         past = at.du * at.tu + at.dw * at.tw
-        own = out[row]
-        own[0], own[1], own[2], own[3], own[4] = at.u, at.w, at.tu, at.tw, at.ahead
-        own[5] = (at.tu * at.dw - at.tw * at.du) / at.da
+        envelope = out[row]
+        envelope[0], envelope[1], envelope[2], envelope[3], envelope[4] = at.u, at.w, at.tu, at.tw, at.ahead
+        envelope[5] = (at.tu * at.dw - at.tw * at.du) / at.da
         y = min(max(s + x, knots[0]), knots[knots.size - 1]) - knots[i]
-        own[6] = at.tu * (at.ddw - 2.0 * past * at.dtw) - at.tw * (at.ddu - 2.0 * past * at.dtu)
-        own[6] = (own[6] + past * past * _own_curvature(c, row, y, i, heading.cosine)) / (at.da * at.da)
-        own[7] = found
+        envelope[6] = at.tu * (at.ddw - 2.0 * past * at.dtw) - at.tw * (at.ddu - 2.0 * past * at.dtu)
+        envelope[6] = (envelope[6] + past * past * _own_curvature(c, row, y, i, heading.cosine)) / (at.da * at.da)
+        envelope[7] = within_reach
 
 
 @kernel

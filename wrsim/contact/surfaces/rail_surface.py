@@ -73,18 +73,20 @@ class RailSurface:
         if len(self.sections) < 2:
             raise InputError(f"rail '{self.name}': has {len(self.sections)} sections; at least 2 are needed")
         first = self.sections[0]
-        for before, own in pairwise(self.sections):
-            if own.distance <= before.distance:
-                places = f"the section at {own.distance:g} m follows one at {before.distance:g} m"
+        for before, section in pairwise(self.sections):
+            if section.distance <= before.distance:
+                places = f"the section at {section.distance:g} m follows one at {before.distance:g} m"
                 raise InputError(f"rail '{self.name}': {places}; distances must rise")
-        for own in self.sections:
-            at = f"rail '{self.name}', section at {own.distance:g} m"
-            if len(own.features) != len(first.features):
-                raise InputError(f"{at}: has {len(own.features)} features; the first section has {len(first.features)}")
-            if not (np.diff(own.edges) >= -1e-9).all():
-                listed = ", ".join(f"{1e3 * f:.6g}" for f in own.features)
-                reach = f"from 0 to {1e3 * own.profile.length:.6g} mm of arclength"
-                raise InputError(f"{at}: features must rise {reach}, not {listed}")
+        for section in self.sections:
+            place = f"rail '{self.name}', section at {section.distance:g} m"
+            if len(section.features) != len(first.features):
+                raise InputError(
+                    f"{place}: has {len(section.features)} features; the first section has {len(first.features)}"
+                )
+            if not (np.diff(section.edges) >= -1e-9).all():
+                listed = ", ".join(f"{1e3 * f:.6g}" for f in section.features)
+                reach = f"from 0 to {1e3 * section.profile.length:.6g} mm of arclength"
+                raise InputError(f"{place}: features must rise {reach}, not {listed}")
         count = self._lengths.shape[1]
         for feature in range(1, count):
             self._check_carried(feature)
@@ -103,10 +105,10 @@ class RailSurface:
     def _content(self) -> bytes:
         """A digest of name and sections."""
         digest = sha256(self.name.encode())
-        for own in self.sections:
-            digest.update(np.array([own.distance, *own.edges]).tobytes())
+        for section in self.sections:
+            digest.update(np.array([section.distance, *section.edges]).tobytes())
             for part in CURVE:
-                digest.update(getattr(own.profile, part).tobytes())
+                digest.update(getattr(section.profile, part).tobytes())
         return digest.digest()
 
     @property
@@ -122,8 +124,8 @@ class RailSurface:
     @cached_property
     def constant(self) -> Profile | None:
         """The profile of all sections, if they are equal."""
-        first, *others = (own.profile for own in self.sections)
-        same = (np.array_equal(getattr(own, part), getattr(first, part)) for own in others for part in CURVE)
+        first, *others = (section.profile for section in self.sections)
+        same = (np.array_equal(getattr(each, part), getattr(first, part)) for each in others for part in CURVE)
         return first if all(same) else None
 
     def heading(self, s: ArrayLike) -> Array:
@@ -137,7 +139,7 @@ class RailSurface:
         """Integral of the sine of the angle in plan by which the gauge side runs outward: of the ways outward and up,
         by least squares, as fast as its flank, the innermost one, moves along its normal. Where that is more than a
         flange follows there is none."""
-        places, sines = [own.distance for own in self.sections], []
+        places, sines = [section.distance for section in self.sections], []
         for s in places:
             there = [p.spline for p in self.pieces if p.spline.x[0] <= s <= p.spline.x[-1]]
             rows = np.concatenate([np.column_stack((spline(s), spline(s, 1)[:, :2])) for spline in there])
@@ -158,21 +160,21 @@ class RailSurface:
         (n, rows, 4); the first row of every piece, and their number."""
         from wrsim.contact.surfaces.rail import FALL  # with numba, which a look at a scenario does not need
 
-        found = []
+        curves = []
         for piece in self.pieces:
             knots = piece.spline.x
             inside = np.clip(s, knots[0], knots[-1])
-            own = piece.spline(inside)
+            curve = piece.spline(inside)
             loose = np.where(s < knots[0], piece.open_ends[0], piece.open_ends[1])
-            own[:, :, 1] -= (FALL * np.abs(s - inside) * loose)[:, None]
-            found.append(own)
-        starts = np.cumsum([0, *(own.shape[1] for own in found)])
-        return np.ascontiguousarray(np.concatenate(found, axis=1)), starts
+            curve[:, :, 1] -= (FALL * np.abs(s - inside) * loose)[:, None]
+            curves.append(curve)
+        starts = np.cumsum([0, *(curve.shape[1] for curve in curves)])
+        return np.ascontiguousarray(np.concatenate(curves, axis=1)), starts
 
     @cached_property
     def _lengths(self) -> Array:
         """Length of every region of every section, (sections, regions) [m]."""
-        return np.array([np.diff(own.edges) for own in self.sections])
+        return np.array([np.diff(section.edges) for section in self.sections])
 
     def _beside(self, feature: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """In which sections there is rail before a feature, 1 to regions - 1, and behind it."""
@@ -195,15 +197,16 @@ class RailSurface:
     def _is_gap(self, feature: int) -> bool:
         """Whether a feature, 1 to regions - 1, lies deep wherever there is rail on both sides of it."""
         inner = np.logical_and(*self._beside(feature))
-        both = [own for own, there in zip(self.sections, inner, strict=True) if there]
-        depths = [own.profile.w.max() - own.profile.at(own.edges[feature])[1] for own in both]
+        both = [section for section, there in zip(self.sections, inner, strict=True) if there]
+        depths = [section.profile.w.max() - section.profile.at(section.edges[feature])[1] for section in both]
         return bool(depths) and min(depths) > DEEP
 
     def _is_floor(self, first: int, last: int) -> bool:
         """Whether regions ``first`` to ``last`` - 1 exist and lie deep everywhere, as a floor does."""
         return self._lengths[:, first:last].sum(axis=1).min() > SHORTEST and all(
-            own.profile.at(np.linspace(own.edges[first], own.edges[last], 100))[1].max() <= own.profile.w.max() - DEEP
-            for own in self.sections
+            section.profile.at(np.linspace(section.edges[first], section.edges[last], 100))[1].max()
+            <= section.profile.w.max() - DEEP
+            for section in self.sections
         )
 
     def _piece(self, first: int, last: int) -> Piece:
@@ -278,10 +281,10 @@ def _joined(s: Array, rows: Array, open_ends: tuple[bool, bool]) -> scipy.interp
         slopes = local.copy()
         for first, last in pairwise(np.flatnonzero(broken).tolist()):
             if last > first + 1:
-                own = slice(first, last + 1)
+                spline_rows = slice(first, last + 1)
                 ends = ((1, local[first]), (1, local[last]))
-                spline = scipy.interpolate.CubicSpline(s[own], rows[own], bc_type=ends)
-                slopes[first + 1 : last] = spline(s[own][1:-1], 1)
+                spline = scipy.interpolate.CubicSpline(s[spline_rows], rows[spline_rows], bc_type=ends)
+                slopes[first + 1 : last] = spline(s[spline_rows][1:-1], 1)
         more = np.append(np.append(False, _size((slopes - local)[1:-1]) > most), False) & ~broken
         if not more.any():
             return scipy.interpolate.CubicHermiteSpline(s, rows, slopes)
@@ -329,21 +332,21 @@ def read_sections(path: Path, measured: bool = False) -> list[RailSection]:
     if path.suffix.lower() == ".slcs":
         return _sections_of_slices(path)
     table, lines = read_columns(path, COLUMNS, NEEDED, "points")
-    at = table["at_m"]
-    starts = np.flatnonzero(np.append(True, np.diff(at) != 0.0))
-    marks = table.get("feature", np.full(at.size, ""))
-    found: list[RailSection] = []
-    for own in np.split(np.arange(at.size), starts[1:]):
-        place = float(at[own[0]])
-        if found and place <= found[-1].distance:
-            more = f"must be more than {found[-1].distance:g} of the section before, or its points together"
-            raise InputError(f"{path}:{lines[own[0]]}: at_m = {place:g}: {more}")
-        points = ProfilePoints(str(path), 1e-3 * table["outward_mm"][own], 1e-3 * table["up_mm"][own], lines[own])
+    places = table["at_m"]
+    starts = np.flatnonzero(np.append(True, np.diff(places) != 0.0))
+    marks = table.get("feature", np.full(places.size, ""))
+    sections: list[RailSection] = []
+    for row in np.split(np.arange(places.size), starts[1:]):
+        place = float(places[row[0]])
+        if sections and place <= sections[-1].distance:
+            more = f"must be more than {sections[-1].distance:g} of the section before, or its points together"
+            raise InputError(f"{path}:{lines[row[0]]}: at_m = {place:g}: {more}")
+        points = ProfilePoints(str(path), 1e-3 * table["outward_mm"][row], 1e-3 * table["up_mm"][row], lines[row])
         retained = points.without_duplicates().in_order()
         check_points(retained)
         profile = (smoothed if measured else interpolated)(retained, f"{path.stem}, {place:g} m", "rail", path.name)
-        found.append(RailSection(place, profile, _features(points, marks[own], profile)))
-    return found
+        sections.append(RailSection(place, profile, _features(points, marks[row], profile)))
+    return sections
 
 
 def _sections_of_slices(path: Path) -> list[RailSection]:
@@ -362,7 +365,7 @@ def _sections_of_slices(path: Path) -> list[RailSection]:
     marks = np.array([section.features for section in sections]).reshape(len(sections), -1)
     inner = ((marks > SHORTEST) & (marks < ends[:, None] - END)).any(axis=0)
     marks = np.minimum(marks[:, inner], ends[:, None])
-    return [replace(section, features=tuple(own.tolist())) for section, own in zip(sections, marks, strict=True)]
+    return [replace(section, features=tuple(row.tolist())) for section, row in zip(sections, marks, strict=True)]
 
 
 def _features(points: ProfilePoints, marks: NDArray[Any], profile: Profile) -> tuple[float, ...]:

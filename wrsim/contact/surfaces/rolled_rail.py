@@ -1,12 +1,12 @@
-"""The effective profile (envelope) of a rail whose profile changes along the track, as a rolling wheel meets it.
+"""The effective profile (surf-envelope) of a rail whose profile changes along the track, as a rolling wheel meets it.
 
-The equations are those of docs/theory/surfaces.md. The envelope has a point of every row of the surface. At a joint
-that is a step the wheel touches before and behind it. A yawed wheel touches at x_l + x with the shift x_l of its own
-outline; then the effective section is that at s + x_l.
+The envelope has a point of every row of the surface. At a joint that is a step the wheel touches before and behind it.
+A yawed wheel touches at x_l + x with the shift x_l of its own outline; then the effective section is that at s + x_l.
 
 Stations along s have tables of the effective section, so close that cubics between them are good to TOLERANCE. The rows
 of a piece have equal steps of arclength from its anchor, whose row is the same in all tables; beyond its ends, and
-where it does not exist, its rows lie where no wheel comes."""
+where it does not exist, its rows lie where no wheel comes.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,9 +33,9 @@ CLOSEST = 1e-3  # least distance of stations [m]
 FIELD_APART = 0.5e-3  # sections farther from each other have distance fields of their own [m]
 NOWHERE = 0.1  # how deep rows lie of a piece that does not exist [m]
 COLUMNS = ("u", "w", "tu", "tw", "k", "ahead", "slope", "bend")
-"""Of a table, in the rail's own axes (`RailSurface.heading`): point [m], tangent, curvature [1/m]; how far ahead of the
-axle the rail is touched there [m], its slope along them (normal to the section) and its curvature, positive upwards
-[1/m]."""
+"""Columns of a table, in the rail's own axes (`RailSurface.heading`): point [m], tangent, curvature [1/m]; how far
+ahead of the axle the rail is touched there [m], its slope along them (normal to the section) and its curvature,
+positive upwards [1/m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,17 +87,17 @@ def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> Roll
     Raises ``InputError`` where the rail is so steep that a wheel touches it more than REACH ahead of its axle.
     """
     ends = (surface.start - REACH, surface.end + REACH)
-    s = np.unique(np.concatenate((ends, [own.distance for own in surface.sections])))
+    s = np.unique(np.concatenate((ends, [section.distance for section in surface.sections])))
     s = s[np.append(True, np.diff(s) > CLOSEST)]
-    found = {float(x): _effective(surface, float(x), radius) for x in s}
+    effective = {float(x): _effective(surface, float(x), radius) for x in s}
     arcs = []
-    for curves in zip(*found.values(), strict=True):
+    for curves in zip(*effective.values(), strict=True):
         ends_of = [(arc[0], arc[-1]) for arc, _ in curves if arc.size]
         first, last = min(a for a, _ in ends_of), max(b for _, b in ends_of)
         arcs.append(
             np.asarray(step * np.arange(int(np.floor(first / step)), int(np.ceil(last / step)) + 1), dtype=float)
         )
-    known = {x: _table(curves, arcs) for x, curves in found.items()}
+    known = {x: _table(curves, arcs) for x, curves in effective.items()}
     unsure = list(pairwise(s.tolist()))
     while unsure:
         now = _joined(surface, known, step)
@@ -122,11 +122,11 @@ def _joined(surface: RailSurface, known: dict[float, Array], step: float) -> Rol
 def _is_good(rail: RolledRail, s: float, table: Array) -> bool:
     """Whether the cubics meet a table and its slope along the track, both along the normal, where a wheel can come."""
     near = (table[:, 1] > table[:, 1].max() - SHALLOW) & (table[:, 2] > LEVEL)
-    own, rate = rail.section(s)[near], rail.section(s, rate=True)[near]
+    exact, rate = rail.section(s)[near], rail.section(s, rate=True)[near]
     table = table[near]
-    apart = (own[:, 1] - table[:, 1]) * table[:, 2] - (own[:, 0] - table[:, 0]) * table[:, 3]
+    apart = (exact[:, 1] - table[:, 1]) * table[:, 2] - (exact[:, 0] - table[:, 0]) * table[:, 3]
     moved = rate[:, 1] * table[:, 2] - rate[:, 0] * table[:, 3]
-    off = np.abs(np.stack((moved - _moves(table, rail.surface.heading(s)), own[:, 6] - table[:, 6])))
+    off = np.abs(np.stack((moved - _moves(table, rail.surface.heading(s)), exact[:, 6] - table[:, 6])))
     return bool(np.abs(apart).max(initial=0.0) < TOLERANCE and off.max(initial=0.0) < SLOPE_TOLERANCE)
 
 
@@ -161,19 +161,19 @@ deep nor fold back; empty where the piece does not exist."""
 
 def _effective(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
     """The effective sections of all pieces at s."""
-    found = []
+    envelopes = []
     sine = float(surface.heading(s)[0])
     heading = Heading(sine, sqrt(1.0 - sine**2))
     for piece in surface.pieces:
         rows = np.zeros((piece.spline.c.shape[2], 8))
         ends = np.array(piece.open_ends, dtype=float)
         envelope_rows(piece.spline.c, piece.spline.x, ends, s, radius, REACH, heading, rows)
-        found.append(rows)
-    lowest = max(float(rows[:, 1].max()) for rows in found) - DEEP
-    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 7] == 0.0)).any() for rows in found):
+        envelopes.append(rows)
+    lowest = max(float(rows[:, 1].max()) for rows in envelopes) - DEEP
+    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 7] == 0.0)).any() for rows in envelopes):
         far = f"a wheel of radius {1e3 * radius:g} mm would touch it more than {1e3 * REACH:g} mm from its axle"
         raise InputError(f"rail '{surface.name}': near {s:.4g} m it is so steep along the track that {far}")
-    return [_curve(piece, rows, lowest) for piece, rows in zip(surface.pieces, found, strict=True)]
+    return [_curve(piece, rows, lowest) for piece, rows in zip(surface.pieces, envelopes, strict=True)]
 
 
 def _curve(piece: Piece, rows: Array, lowest: float) -> _Curve:
@@ -191,7 +191,7 @@ def _curve(piece: Piece, rows: Array, lowest: float) -> _Curve:
 
 def _table(curves: Sequence[_Curve], arcs: Sequence[Array]) -> Array:
     """Rows of COLUMNS of all pieces, one behind the other."""
-    return np.concatenate([_rows(own, arc) for own, arc in zip(curves, arcs, strict=True)])
+    return np.concatenate([_rows(curve, arc) for curve, arc in zip(curves, arcs, strict=True)])
 
 
 def _rows(curve: _Curve, arc: Array) -> Array:

@@ -1,12 +1,6 @@
 """Wheels out of round: the surface rho(u) - depth(u, angle), and where around its axle it is touched.
 
-With the axle e, d0 across it in the section of the rail (downward) and d1 = (t - e_t e) / q, a point of the wheel is
-
-    r = u e + P (cos(theta) d0 + sin(theta) d1),    P(u, theta) = rho(u) - depth(u, theta + phi),
-
-theta the angle around the axle from the lowest point, ahead; phi the angle by which the wheel has rolled. Its normal,
-out of the wheel, is d - P_theta/P d' - P_u e with d = cos(theta) d0 + sin(theta) d1, d' = dd/dtheta. A straight rail
-touches where that has no component along t:
+With the surface of docs/theory/out_of_round.md a straight rail touches where (oor-locus)
 
     f = sin(theta) - P_theta/P cos(theta) - P_u e_t/q = 0.
 
@@ -14,9 +8,8 @@ A round wheel has one such theta. Else there are several, of which the one farth
 wheel counts. A scan over the rows of the table finds it on columns across the profile (``branches``) for each pose;
 from there Newton's method finds f = 0 at any u.
 
-The curvature along t is a mean over the length of contact: the second difference of the gap over +-a with
-gap(a) + gap(-a) = 2 eps delta, delta the largest penetration. Where gaps ahead and behind differ the middle moves to
-the vertex of the parabola.
+The curvature along t is a mean over the length of contact (oor-mean). Where gaps ahead and behind differ the middle
+moves to the vertex of the parabola.
 """
 
 from math import asin, atan2, cos, floor, inf, pi, sin, sqrt
@@ -178,9 +171,9 @@ def find_branches(wheel: PlacedWheel) -> None:
     n = shape.rows
     h = 2.0 * pi / n
     for c in range(shape.branches.shape[0]):
-        own = shape.branches[c]
-        slope = -min(max(own[SLOPE], -STEEPEST), STEEPEST)
-        u, rho = own[U], wheel.radius - own[W]
+        branch = shape.branches[c]
+        slope = -min(max(branch[SLOPE], -STEEPEST), STEEPEST)
+        u, rho = branch[U], wheel.radius - branch[W]
         at_round = _round_angle(wheel, slope)
         j, s = 0, 0.0
         if shape.depth.shape[0] > n:
@@ -212,12 +205,12 @@ def find_branches(wheel: PlacedWheel) -> None:
                     if look == 1:
                         count, place = count + 1, angle - h
                     else:
-                        found = _settle(wheel, u, rho, slope, at_round + angle - h)
-                        reached = found.p * cos(found.theta - at_round)
+                        touching = _settle(wheel, u, rho, slope, at_round + angle - h)
+                        reached = touching.p * cos(touching.theta - at_round)
                         if reached > best:
-                            best, place = reached, found.theta - at_round
+                            best, place = reached, touching.theta - at_round
                 before, here_is = here_is, height
-        own[SHIFT] = place
+        branch[SHIFT] = place
 
 
 class SecondForm(NamedTuple):

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 LawName = Literal["usfd", "archard", "brr"]
 
 DENSITY = 7850.0
-"""Of steel [kg/m3]."""
+"""Density of steel [kg/m3]."""
 
 USFD_LIMITS = 10.4e6, 77.2e6
 """T-gamma over the area of contact where mild wear ends and severe wear becomes catastrophic [Pa]."""

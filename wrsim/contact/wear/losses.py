@@ -59,10 +59,10 @@ class Rows:
     def power(self) -> Array:
         """What creep dissipates in every strip, per metre rolled [J/m]; over a lobe they add up to its T-gamma."""
         strip = self.strip
-        own = -(strip["Fx"] * strip["xi"] + strip["Fy"] * strip["eta"] + strip["Mz"] * strip["phi"])
-        own = np.maximum(own, 0.0)
-        total = np.bincount(self.lobe, own)[self.lobe]
-        return own * np.maximum(self.wear, 0.0) / np.where(total > 0.0, total, np.inf)
+        dissipated = -(strip["Fx"] * strip["xi"] + strip["Fy"] * strip["eta"] + strip["Mz"] * strip["phi"])
+        dissipated = np.maximum(dissipated, 0.0)
+        total = np.bincount(self.lobe, dissipated)[self.lobe]
+        return dissipated * np.maximum(self.wear, 0.0) / np.where(total > 0.0, total, np.inf)
 
 
 def _rows(samples: Records, radii: Array) -> Rows:
@@ -152,25 +152,25 @@ class Losses:
         material = wheels[0].model.settings.wheel
         stiffness = material.shear_modulus / (1.0 - material.poisson_ratio)
         lost = [mass_lost(law, rows, power, self.settings, stiffness) for law in self.settings.laws]
-        amounts = [own * rows.way for own in (*lost, power)]
+        amounts = [amount * rows.way for amount in (*lost, power)]
         harm = damage(rows.patch) * width * rows.way
         for i, wheel in enumerate(wheels):
             mine = rows.wheel == i
             if not mine.any():
                 continue
             w, side = divmod(i, 2)
-            own = [amount[mine] for amount in (*amounts, harm)]
+            amount_here = [amount[mine] for amount in (*amounts, harm)]
             arc = _foot(wheel.model.wheel, rows.arc_wheel[mine], rows.u[mine], rows.w[mine])
             places = self.of_wheels[w][side]
-            self.on_wheels[:, w, side, : places.u.size] += _spread(arc, width[mine], places, own[:-1])
+            self.on_wheels[:, w, side, : places.u.size] += _spread(arc, width[mine], places, amount_here[:-1])
             places = self.of_rails[side]
-            self.on_rails[:, w, side, : places.u.size] += _spread(rows.arc_rail[mine], width[mine], places, own)
+            self.on_rails[:, w, side, : places.u.size] += _spread(rows.arc_rail[mine], width[mine], places, amount_here)
 
     def channels(self) -> dict[str, Array]:
         """Channels of a result, over laws, wheelsets, wheels, zones and places; see docs/reference/channels.md."""
         self._work_through()
         laws = len(self.settings.laws)
-        total = np.array([own.sum() for own in self.ways])
+        total = np.array([travelled.sum() for travelled in self.ways])
         way = np.where(total > 0.0, total, np.nan)[:, None, None]
         mass = self.on_wheels[:laws] / way  # kg per metre rolled
         of_wheels, shape = [places for pair in self.of_wheels for places in pair], self.on_wheels.shape[1:]
@@ -195,10 +195,10 @@ class Losses:
 
 def _table(rows: Sequence[Places], name: str, count: int) -> Array:
     """An attribute of several rows of places, (rows, count); not-a-number beyond the last of a row."""
-    found = np.full((len(rows), count), np.nan)
-    for own, places in zip(found, rows, strict=True):
-        own[: places.u.size] = getattr(places, name)
-    return found
+    table = np.full((len(rows), count), np.nan)
+    for row, places in zip(table, rows, strict=True):
+        row[: places.u.size] = getattr(places, name)
+    return table
 
 
 def ways(distance: Array, stretch: tuple[float | None, float | None]) -> Array:
