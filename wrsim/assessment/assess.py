@@ -182,7 +182,7 @@ class _Run:
         groups: dict[str, list[AxleSignals]] = {}
         for axle, holder in zip(self.axles, np.atleast_1d(self.dataset["wheelset_bogie"].values), strict=True):
             groups.setdefault(str(holder), []).append(axle)
-        return [BogieSignals(name, own) for name, own in groups.items() if name]
+        return [BogieSignals(name, axles) for name, axles in groups.items() if name]
 
     def values(self) -> Iterator[Value]:
         """All but the quasi-static values, which go by classes."""
@@ -230,12 +230,12 @@ def _check_alike(runs: Sequence[_Run]) -> None:
     """Raises InputError for runs whose wheelsets or points are not the same."""
     for run in runs[1:]:
         for what in ("axles", "points"):
-            own, first = ([part.name for part in getattr(each, what)] for each in (run, runs[0]))
-            if own != first:
+            names, first = ([part.name for part in getattr(each, what)] for each in (run, runs[0]))
+            if names != first:
                 raise InputError(
                     f"the runs {runs[0].name} and {run.name} are not of one vehicle: the first has the "
                     f"{what.replace('axles', 'wheelsets')} {', '.join(first) or 'none'}, the other "
-                    f"{', '.join(own) or 'none'}"
+                    f"{', '.join(names) or 'none'}"
                 )
 
 
@@ -259,8 +259,8 @@ def _mean_radii(sections: Sequence[AssessedSection]) -> Mapping[str, float]:
     """Mean radius of the sections of every class of curves [m], of those that count where some do."""
     radii: dict[str, float] = {}
     for zone in dict.fromkeys(s.zone for s in sections if s.zone not in (STRAIGHT, TRANSITION)):
-        own = [s for s in sections if s.zone == zone]
-        radii[zone] = float(np.mean([abs(s.radius) for s in own if s.counts] or [abs(s.radius) for s in own]))
+        members = [s for s in sections if s.zone == zone]
+        radii[zone] = float(np.mean([abs(s.radius) for s in members if s.counts] or [abs(s.radius) for s in members]))
     return radii
 
 
@@ -269,25 +269,25 @@ def _signals(axles: Sequence[AxleSignals], shown: HistorySection) -> xr.Dataset:
     signals: dict[str, Callable[[Forces, float | None], NDArray[np.float64]]] = {
         "sum_Y": Forces.sum_y,
         "Y_over_Q": Forces.quotient,
-        "Y": lambda own, low_pass: own.forces(low_pass)[0],
-        "Q": lambda own, low_pass: own.forces(low_pass)[1],
+        "Y": lambda axle, low_pass: axle.forces(low_pass)[0],
+        "Q": lambda axle, low_pass: axle.forces(low_pass)[1],
     }
     of_axles: dict[str, list[tuple[NDArray[np.float64], NDArray[np.float64]]]] = {}
     for name, signal in signals.items():
-        own = [(a.distance, signal(a, shown.low_pass_Hz)) for a in axles]
+        raw = [(a.distance, signal(a, shown.low_pass_Hz)) for a in axles]
         if name in ("sum_Y", "Y_over_Q"):
-            own = [a.mean(values, shown.window_m, shown.step_m) for a, (_, values) in zip(axles, own, strict=True)]
-        of_axles[name] = own
+            raw = [a.mean(values, shown.window_m, shown.step_m) for a, (_, values) in zip(axles, raw, strict=True)]
+        of_axles[name] = raw
     first, last = (pick(middles[end] for middles, _ in of_axles["sum_Y"]) for pick, end in ((min, 0), (max, -1)))
     place = np.arange(first, last + 0.5 * shown.step_m, shown.step_m)
 
     def at(of: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
         columns = values.reshape(values.shape[0], -1).T
-        found = [np.interp(place, of, column, left=np.nan, right=np.nan) for column in columns]
-        return np.stack(found, axis=-1).reshape(place.size, *values.shape[1:])
+        rastered = [np.interp(place, of, column, left=np.nan, right=np.nan) for column in columns]
+        return np.stack(rastered, axis=-1).reshape(place.size, *values.shape[1:])
 
     dims = ("wheelset", "place", "wheel")
-    stacked = {name: np.stack([at(*each) for each in own]) for name, own in of_axles.items()}
+    stacked = {name: np.stack([at(*each) for each in raw]) for name, raw in of_axles.items()}
     return xr.Dataset(
         {name: (dims[: values.ndim], values) for name, values in stacked.items()},
         coords={"place": place, "wheelset": [a.name for a in axles], "wheel": ["left", "right"]},
@@ -301,14 +301,14 @@ def stop_values(dataset: xr.Dataset, sections: Sequence[AssessedSection], rules:
     if clause is None or "suspension_stop_max" not in dataset:
         return
     for i, name in enumerate(dataset["suspension"].values):
-        own = dataset.isel(suspension=i)
-        ends = [float(own[f"suspension_stop_{end}"]) for end in ("min", "max")]
+        stop = dataset.isel(suspension=i)
+        ends = [float(stop[f"suspension_stop_{end}"]) for end in ("min", "max")]
         if np.isnan(ends).any():
             continue
         # a stop works along one axis; its travel along the others is zero
-        travel = np.sum([own[f"suspension_d{axis}"].values for axis in "xyz"], axis=0)
+        travel = np.sum([stop[f"suspension_d{axis}"].values for axis in "xyz"], axis=0)
         for section in sections:
-            inside = section.holds(own["distance"].values)
+            inside = section.holds(stop["distance"].values)
             if not inside.any():
                 continue
             # travel to the other side of the design position is none; an end at infinity is never reached

@@ -41,7 +41,7 @@ def zones_of(
     keys = list(dict.fromkeys(v.quantity.key for v in values))
     for value in sorted(values, key=lambda v: (keys.index(v.quantity.key), first[v.section.zone])):
         groups.setdefault((value.quantity.key, value.section.zone), []).append(value)
-    return [_zone(own, settings, statistics) for own in groups.values()]
+    return [_zone(members, settings, statistics) for members in groups.values()]
 
 
 def _zone(values: Sequence[Value], settings: AssessmentSettings, statistics: StatisticsSection | None) -> ZoneValue:
@@ -85,13 +85,13 @@ def regression(
     freedom = values.size - matrix.shape[1]
     if freedom < SPARE or np.linalg.matrix_rank(matrix, tol=1e-6 * values.size**0.5) < matrix.shape[1]:
         return None
-    found = np.linalg.lstsq(matrix, values, rcond=None)[0]
-    deviation = float(np.sqrt(np.sum((values - matrix @ found) ** 2) / freedom))
+    coefficients = np.linalg.lstsq(matrix, values, rcond=None)[0]
+    deviation = float(np.sqrt(np.sum((values - matrix @ coefficients) ** 2) / freedom))
     leverage = float(np.linalg.inv(matrix.T @ matrix)[0, 0])
     quantile = float(stdtrit(freedom, ndtr(k)))
-    slope = tuple(float(b / np.ptp(known[name])) for b, name in zip(found[1:], differ, strict=True))
-    fit = float(found[0])
+    slope = tuple(float(b / np.ptp(known[name])) for b, name in zip(coefficients[1:], differ, strict=True))
+    fit = float(coefficients[0])
     estimate = fit + quantile * deviation * float(np.sqrt(1.0 + leverage))
-    others = matrix[:, 2:] @ found[2:]
+    others = matrix[:, 2:] @ coefficients[2:]
     places = known[differ[0]] if differ else np.zeros(values.size)
     return Regression(tuple(differ), place, slope, fit, deviation, estimate, places, values - others)

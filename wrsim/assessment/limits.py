@@ -100,11 +100,11 @@ class ByKind(Section, header="{passenger = .., locomotive = .., freight = ..}"):
     """A number for every kind of vehicle."""
 
     passenger: Annotated[float, number()]
-    """Of coaches and multiple units."""
+    """Value for coaches and multiple units."""
     locomotive: Annotated[float, number()]
-    """Of locomotives."""
+    """Value for locomotives."""
     freight: Annotated[float, number()]
-    """Of freight wagons."""
+    """Value for freight wagons."""
 
 
 Number = OrTable[Annotated[float, number()], ByKind]
@@ -138,10 +138,10 @@ class LimitLaw(Choice, header="limit"):
         """The limit there; None where it does not hold or something that it depends on is unknown."""
         if self.from_radius_m is not None and abs(about.radius) < self.from_radius_m * (1.0 - 1e-6):
             return None
-        found = self.value_at(about, shown)
-        if found is None:
+        valued = self.value_at(about, shown)
+        if valued is None:
             return None
-        value, words = found
+        value, words = valued
         ahead = self.source if self.from_radius_m is None else f"{self.source}, R >= {self.from_radius_m:g} m"
         return Limit(value, ": ".join(filter(None, (ahead, self.words or "", words))), self.mark)
 
@@ -183,7 +183,7 @@ class Prudhomme(LimitLaw, kind="prudhomme"):
 
 
 class AxleShare(LimitLaw, kind="axle-share"):
-    """Of a force over the static load of a wheelset: share + a/2Q0."""
+    """Limit of a force over the static load of a wheelset: share + a/2Q0."""
 
     share: Annotated[float, number(0, 2)]
     """Part of the load."""

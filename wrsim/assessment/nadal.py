@@ -108,8 +108,8 @@ def _friction_of(dataset: xr.Dataset) -> float | None:
     if (contact := table_of_scenario(dataset, "contact")) is None:
         return None
     both = contact.get("friction", _largest(ContactSettings().friction))
-    found = [_largest(contact.get(f"friction_{side}", both)) for side in ("left", "right")]
-    return max((value for value in found if value is not None), default=None)
+    largest = [_largest(contact.get(f"friction_{side}", both)) for side in ("left", "right")]
+    return max((value for value in largest if value is not None), default=None)
 
 
 def _largest(friction: Any) -> float | None:

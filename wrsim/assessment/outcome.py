@@ -225,8 +225,8 @@ class Assessment:
             QUANTITIES[clause.quantity] for clause in self.rules.judging("axle", "bogie", "stop", "frame", "body")
         ]
         lacking = {row.worst.quantity.key for row in self.zones if row.worst.limit is None}
-        lacking |= {own.key for own in judged} - {row.worst.quantity.key for row in self.zones}
-        return [own.symbol for own in dict.fromkeys(judged) if own.key in lacking and own.group != INFORMATION]
+        lacking |= {q.key for q in judged} - {row.worst.quantity.key for row in self.zones}
+        return [q.symbol for q in dict.fromkeys(judged) if q.key in lacking and q.group != INFORMATION]
 
     @property
     def verdict(self) -> str:
@@ -247,40 +247,40 @@ class Assessment:
         return [value for value in self.values if value.quantity.key == key]
 
 
-def assessment_dict(found: Assessment) -> dict[str, Any]:
+def assessment_dict(assessment: Assessment) -> dict[str, Any]:
     """Numbers of ``assessment.json``."""
     quantities = [
         {"key": q.key, "symbol": q.symbol, "name": q.words, "group": q.group, "unit": q.shown.symbol}
         | {"evaluation": q.evaluation, "source": q.source}
-        for q in dict.fromkeys(v.quantity for v in found.values)
+        for q in dict.fromkeys(v.quantity for v in assessment.values)
     ]
     track = [
         {"section": t.section.number, "direction": t.direction, "deviation_mm": 1e3 * t.deviation}
         | {"largest_mm": 1e3 * t.largest, "step_by_deviation": t.by_deviation, "step_by_largest": t.by_largest}
         | {"TL90": t.tl90}
-        for t in found.track
+        for t in assessment.track
     ]
     return {
-        "title": found.title, "passed": None if found.lone else found.passed,
-        "runs": [name for name in found.signals if name],
-        "settings": dict(found.settings), "notes": list(found.notes), "quantities": quantities,
-        "sections": list(map(_section, found.sections)), "track_quality": track,
-        "zones": list(map(_zone, found.zones)), "values": list(map(_value, found.values)),
+        "title": assessment.title, "passed": None if assessment.lone else assessment.passed,
+        "runs": [name for name in assessment.signals if name],
+        "settings": dict(assessment.settings), "notes": list(assessment.notes), "quantities": quantities,
+        "sections": list(map(_section, assessment.sections)), "track_quality": track,
+        "zones": list(map(_zone, assessment.zones)), "values": list(map(_value, assessment.values)),
     }  # fmt: skip
 
 
-def assessment_json(found: Assessment) -> bytes:
+def assessment_json(assessment: Assessment) -> bytes:
     """Content of ``assessment.json``."""
-    return as_json(assessment_dict(found), indent=1)
+    return as_json(assessment_dict(assessment), indent=1)
 
 
-def assessment_csv(found: Assessment) -> bytes:
+def assessment_csv(assessment: Assessment) -> bytes:
     """Content of ``assessment.csv``: one row per value."""
     keys = (
         "quantity", "unit", "run", "section", "zone", "start_m", "end_m", "radius_m", "wheelset", "wheel", "point",
         "value", "limit", "margin", "passed", "limit_source",
     )  # fmt: skip
-    rows = (_section(v.section) | _value(v) | {"unit": v.quantity.shown.symbol} for v in found.values)
+    rows = (_section(v.section) | _value(v) | {"unit": v.quantity.shown.symbol} for v in assessment.values)
     table = Table("", tuple(Column(key=key) for key in keys), [[row[key] for key in keys] for row in rows])
     return as_csv(as_rows(table))
 
@@ -307,9 +307,9 @@ def _value(v: Value) -> dict[str, Any]:
 def _zone(z: ZoneValue) -> dict[str, Any]:
     factor, r = z.worst.quantity.shown.factor, z.regression
     over = [
-        {"influence": name, "unit": own.symbol, "at": at * own.factor, "slope": b * factor / own.factor}
+        {"influence": name, "unit": scale.symbol, "at": at * scale.factor, "slope": b * factor / scale.factor}
         for name, at, b in (() if r is None else zip(r.over, r.at, r.slope, strict=True))
-        for own in (INFLUENCES[name],)
+        for scale in (INFLUENCES[name],)
     ]
     return {
         "zone": z.worst.section.zone, "sections": z.sections, "counted": z.counted, "mean": finite(z.mean, factor),
@@ -319,72 +319,72 @@ def _zone(z: ZoneValue) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def assessment_numbers(found: Assessment) -> list[Table]:
+def assessment_numbers(assessment: Assessment) -> list[Table]:
     """For people: sections, the worst value of every quantity and class of track, regressions, track, notes."""
-    tables = [_sections_table(found)]
+    tables = [_sections_table(assessment)]
     letters: dict[str, str] = {}
     rows: list[list[Cell]] = []
     last = ""
-    for row in found.zones:
-        limit, own, cells = row.worst.limit, row.worst.quantity, row.cells()
+    for row in assessment.zones:
+        limit, judged, cells = row.worst.limit, row.worst.quantity, row.cells()
         letter = (
             "" if limit is None else letters.setdefault(limit.source + limit.star, chr(ord("a") + len(letters) % 26))
         )
-        head = [own.symbol, converted(own.shown).unit] if own.key != last else ["", ""]
+        head = [judged.symbol, converted(judged.shown).unit] if judged.key != last else ["", ""]
         numbers = [cells[key] for key in ("worst", "estimate", "limit", "margin")] + [
-            cells["verdict"] * (not found.lone)
+            cells["verdict"] * (not assessment.lone)
         ]
         rows.append([*head, row.zone, *numbers, letter, cells["worst in"]])
-        last = own.key
+        last = judged.key
     words = ("quantity", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "where")
     tables.append(Table("", tuple(map(Column, words)), rows))
-    tables += [*_regressions_table(found), *_track_table(found)]
-    notes = [*(f"{letter}  {source}" for source, letter in letters.items()), *(f"note: {n}" for n in found.notes)]
-    confirm = (TO_CONFIRM,) if any(z.worst.limit is not None and z.worst.limit.star for z in found.zones) else ()
-    return [*tables, Table("", notes=(*notes, found.verdict, *confirm))]
+    tables += [*_regressions_table(assessment), *_track_table(assessment)]
+    notes = [*(f"{letter}  {source}" for source, letter in letters.items()), *(f"note: {n}" for n in assessment.notes)]
+    confirm = (TO_CONFIRM,) if any(z.worst.limit is not None and z.worst.limit.star for z in assessment.zones) else ()
+    return [*tables, Table("", notes=(*notes, assessment.verdict, *confirm))]
 
 
-def _sections_table(found: Assessment) -> Table:
-    several = bool(found.sections[0].run)
+def _sections_table(assessment: Assessment) -> Table:
+    several = bool(assessment.sections[0].run)
     rows: list[list[Cell]] = []
-    for s in found.sections:
+    for s in assessment.sections:
         remarks = ", ".join(word for word, so in (("short", s.short), ("does not count", not s.counts)) if so)
         head: list[Cell] = [s.run] if several else []
         head += [str(s.number), s.label + (f" ({remarks})" if remarks else "")]
         rows.append([*head, s.start, s.end, 3.6 * s.speed, 1e3 * s.cant_deficiency])
     heads = [*([Column("run")] if several else []), Column("section"), Column("class")]
     heads += [Column("from", "m", ".1f"), Column("to", "m", ".1f"), Column("speed", "km/h", ".0f")]
-    return Table(found.title, (*heads, Column("cant deficiency", "mm", ".0f")), rows)
+    return Table(assessment.title, (*heads, Column("cant deficiency", "mm", ".0f")), rows)
 
 
-def _regressions_table(found: Assessment) -> list[Table]:
+def _regressions_table(assessment: Assessment) -> list[Table]:
     """How quantities with a limit depend on what the sections differ in, and which of them have no regression."""
     rows: list[Sequence[Cell]] = []
     short = set()
-    for row in found.zones:
-        r, own = row.regression, row.worst.quantity
+    for row in assessment.zones:
+        r, judged = row.regression, row.worst.quantity
         if r is None:
-            short |= {row.worst.section.zone} if found.estimate_over else set()
+            short |= {row.worst.section.zone} if assessment.estimate_over else set()
         elif row.worst.limit is not None:
-            factor, slopes = converted(own.shown).factor, dict.fromkeys(found.estimate_over, "")
+            factor, slopes = converted(judged.shown).factor, dict.fromkeys(assessment.estimate_over, "")
             for name, slope, at in zip(r.over, r.slope, r.at, strict=True):
                 unit = converted(INFLUENCES[name])
                 place = quantity(at * unit.factor, unit.symbol)
                 slopes[name] = f"{formatted(slope * factor / unit.factor, '.3g')} at {place}"
             numbers = (value * factor for value in (r.fit, r.deviation, r.estimate))
-            rows.append((own.symbol, row.zone, *slopes.values(), *numbers))
+            rows.append((judged.symbol, row.zone, *slopes.values(), *numbers))
     none = f"no regression, too few sections or influences that go together: {', '.join(sorted(short))}"
     notes = (none,) if short else ()
-    over = (Column(f"per {INFLUENCES[name].symbol} of {name}") for name in found.estimate_over)
+    over = (Column(f"per {INFLUENCES[name].symbol} of {name}") for name in assessment.estimate_over)
     heads = (Column("quantity"), Column("class (sections)"), *over, Column("fit"), Column("s"), Column("estimate"))
     title = "estimated values by regression [mem]"
     return [Table(title, heads, rows, notes)] if rows else [Table("", notes=notes)] if notes else []
 
 
-def _track_table(found: Assessment) -> list[Table]:
+def _track_table(assessment: Assessment) -> list[Table]:
     rows = [
         (str(t.section.number), t.direction, 1e3 * t.deviation, 1e3 * t.largest, t.by_deviation, t.by_largest, t.tl90)
-        for t in found.track
+        for t in assessment.track
     ]
     heads = (Column("section"), Column("direction"), Column("deviation", "mm", ".2f"), Column("largest", "mm", ".2f"))
     steps = map(Column, ("UIC 518 by deviation", "by largest", "TL90 of EN 14363"))

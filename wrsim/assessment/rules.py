@@ -90,8 +90,8 @@ class ClauseSection(Section, header="[[clauses]]"):
     """Classes of track in which the limit holds; all unless given."""
 
     def consistency(self) -> Iterator[Fault]:
-        own = QUANTITIES[self.quantity]
-        takes = own.takes.split()
+        known = QUANTITIES[self.quantity]
+        takes = known.takes.split()
         taken = {key.rstrip("?") for key in takes}
         for key in {key for take in QUANTITIES.values() for key in take.takes.replace("?", "").split()} - taken:
             if key in self.model_fields_set:
@@ -100,10 +100,10 @@ class ClauseSection(Section, header="[[clauses]]"):
         for key in takes:
             if not key.endswith("?") and getattr(self, key) is None:
                 yield Fault(key, f'quantity "{self.quantity}" needs it', missing=True)
-        unit = next(name for name, shown in SHOWN.items() if shown == own.shown)
+        unit = next(name for name, shown in SHOWN.items() if shown == known.shown)
         if self.limit is None:
-            if own.group != INFORMATION:
-                yield Fault("limit", f'quantity "{self.quantity}" is judged ({own.group})', missing=True)
+            if known.group != INFORMATION:
+                yield Fault("limit", f'quantity "{self.quantity}" is judged ({known.group})', missing=True)
         elif unit not in (units := (self.limit.unit,) if isinstance(self.limit, Constant) else self.limit.units):
             key, law = ("unit", "") if isinstance(self.limit, Constant) else ("law", f', this law "{units[0]}"')
             yield Fault(("limit", key), f'quantity "{self.quantity}" has the unit "{unit}"{law}')
@@ -117,9 +117,9 @@ class ClauseSection(Section, header="[[clauses]]"):
     @cached_property
     def judged(self) -> Quantity:
         """The quantity with this evaluation in words."""
-        own = QUANTITIES[self.quantity]
-        words = own.evaluation.replace("{}", ", ".join(self._evaluation()))
-        return replace(own, evaluation=words, source=self.evaluation_source or "")
+        known = QUANTITIES[self.quantity]
+        words = known.evaluation.replace("{}", ", ".join(self._evaluation()))
+        return replace(known, evaluation=words, source=self.evaluation_source or "")
 
     def _evaluation(self) -> Iterator[str]:
         if self.low_pass_Hz is not None:
@@ -211,10 +211,10 @@ class RulesFile(Section, header="a rule set"):
             yield Fault(("classes", len(self.classes) - 1, "from_radius_m"), f"{last:g}: must be 0 in the last class")
         names = (*(each.name for each in self.classes), "transition")
         for key in ("id", "quantity"):
-            own = [getattr(each, key) for each in self.clauses]
-            for i, value in enumerate(own):
-                if value in own[:i]:
-                    yield Fault(("clauses", i, key), f'"{value}": is that of clauses[{own.index(value)}] already')
+            values = [getattr(each, key) for each in self.clauses]
+            for i, value in enumerate(values):
+                if value in values[:i]:
+                    yield Fault(("clauses", i, key), f'"{value}": is that of clauses[{values.index(value)}] already')
         for i, clause in enumerate(self.clauses):
             for word in clause.classes:
                 if word not in names:

@@ -77,7 +77,7 @@ def sections_of(
     """
     distance, curvature, cant, speed = _track_passed(dataset)
     missing = cant_deficiency(speed, curvature, cant)
-    found: list[AssessedSection] = []
+    sections: list[AssessedSection] = []
     for zone, first, last in _stretches(distance, curvature, missing, classes, straight_deficiency):
         inside = slice(first, last + 1)
         start, end = float(distance[first]), float(distance[last])
@@ -88,16 +88,16 @@ def sections_of(
         for a, b in pairwise(edges):
             part = slice(*np.searchsorted(distance, [a, b]))
             sampled = part.stop > part.start
-            own = curvature[part] if sampled else curvature[first : first + 1]
-            bend = float(own[np.argmax(np.abs(own))] if zone == TRANSITION else own.mean())
+            bends = curvature[part] if sampled else curvature[first : first + 1]
+            bend = float(bends[np.argmax(np.abs(bends))] if zone == TRANSITION else bends.mean())
             hand = np.sign(bend) if abs(bend) > 1e-9 else 1.0
             radius = np.inf if zone == STRAIGHT and abs(bend) < 1e-6 else 1.0 / bend
             own_speed = float(speed[part].mean()) if sampled else mean_speed
             deficiency = float(hand * missing[part].mean()) if sampled else 0.0
             short = zone != TRANSITION and bool(b - a < wanted * (1.0 - NEARLY))
-            section = AssessedSection(len(found) + 1, zone, float(a), float(b), radius, own_speed, deficiency, short)
-            found.append(section)
-    return tuple(found)
+            section = AssessedSection(len(sections) + 1, zone, float(a), float(b), radius, own_speed, deficiency, short)
+            sections.append(section)
+    return tuple(sections)
 
 
 def _track_passed(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array]:

@@ -70,11 +70,11 @@ class Forces:
         """Middles of windows [m] and the mean of a signal over them; infinite where the signal is."""
         middles = filters.windows(self.distance, window, step)
         endless = ~np.isfinite(signal)
-        found, touched = (
+        means, touched = (
             filters.sliding_mean(self.distance, part, middles, window)
             for part in (np.where(endless, 0.0, signal), endless.astype(float))
         )
-        return middles, np.where(touched > 1e-12, np.inf, found)
+        return middles, np.where(touched > 1e-12, np.inf, means)
 
     def statistic(self, clause: ClauseSection, section: AssessedSection, signal: Callable[[], Array]) -> Array | None:
         """The percentile of a signal (n, ...) in a section as the clause has it; None without a window there.
@@ -138,14 +138,14 @@ class AxleSignals(Forces):
         here = about(section, settings, self.load)
         for clause in rules.judging("axle"):
             nadal = climbing.nadal(clause.friction)
-            found = self._found(clause, section, inside, None if nadal is None else nadal[0], climbing)
-            if found is None:
+            result = self._found(clause, section, inside, None if nadal is None else nadal[0], climbing)
+            if result is None:
                 continue
             limit = clause.limit_at(replace(here, nadal=nadal))
-            if np.ndim(found) == 0:
-                yield self.value(clause, section, float(found), limit)
-            for wheel, side in SIDES if np.ndim(found) else ():
-                yield self.value(clause, section, np.asarray(found)[side], limit, wheel)
+            if np.ndim(result) == 0:
+                yield self.value(clause, section, float(result), limit)
+            for wheel, side in SIDES if np.ndim(result) else ():
+                yield self.value(clause, section, np.asarray(result)[side], limit, wheel)
 
     def _found(
         self,
@@ -212,11 +212,11 @@ class BogieSignals(Forces):
         here = about(section, settings, self.load)
         for clause in rules.judging("bogie"):
             signal = SIGNALS[clause.quantity]
-            found = self.statistic(clause, section, lambda: signal(self, clause.low_pass_Hz))  # noqa: B023
-            if found is None:
+            result = self.statistic(clause, section, lambda: signal(self, clause.low_pass_Hz))  # noqa: B023
+            if result is None:
                 continue
             for wheel, side in SIDES:
-                yield Value(clause.judged, section, "", wheel, found[side], clause.limit_at(here), self.name)
+                yield Value(clause.judged, section, "", wheel, result[side], clause.limit_at(here), self.name)
 
 
 def quasi_static(
@@ -230,30 +230,30 @@ def quasi_static(
     less = rules.about("Y_qst_reduced")
     for zone, radius in radii.items():
         here = LimitContext(zone=zone, radius=radius)
-        own = [
+        members = [
             (axle, section, inside, 1 if section.radius > 0.0 else 0)
             for axle, sections in runs
             for section in sections
             if section.zone == zone and (inside := section.holds(axle.distance)).sum() >= 2
         ]
-        lean, reduced = [0.0] * len(own), False  # Y/Q of the inner wheel
-        if own and less is not None and less.limit_at(here) is not None:
-            quotients = ((axle.quotient(less.low_pass_Hz), inside, outer) for axle, _, inside, outer in own)
+        lean, reduced = [0.0] * len(members), False  # Y/Q of the inner wheel
+        if members and less is not None and less.limit_at(here) is not None:
+            quotients = ((axle.quotient(less.low_pass_Hz), inside, outer) for axle, _, inside, outer in members)
             lean = [float(np.median(quotient[inside, 1 - outer])) for quotient, inside, outer in quotients]
             reduced = float(np.mean(lean)) > given(less.lean)
-        for (axle, section, inside, outer), inner in zip(own, lean, strict=True):
+        for (axle, section, inside, outer), inner in zip(members, lean, strict=True):
             for clause in clauses:
                 key = clause.quantity
                 if key == "Y_qst_reduced" and not reduced:
                     continue
                 y, q = (float(np.median(force[inside, outer])) for force in axle.forces(clause.low_pass_Hz))
-                found = {"Y_qst": y, "Q_qst": q}.get(key, 0.0)
+                evaluated = {"Y_qst": y, "Q_qst": q}.get(key, 0.0)
                 if key == "Y_qst_reduced":
-                    found = y - 1e3 * given(clause.lean_force_kN) * (inner - given(clause.lean))
+                    evaluated = y - 1e3 * given(clause.lean_force_kN) * (inner - given(clause.lean))
                 elif key == "B_qst":
-                    found = abs(y) + given(clause.part) * q
+                    evaluated = abs(y) + given(clause.part) * q
                 limit = None if key == "Y_qst" and reduced else clause.limit_at(here)
-                yield axle.value(clause, section, found, limit, SIDES[outer][0])
+                yield axle.value(clause, section, evaluated, limit, SIDES[outer][0])
 
 
 def hunting(
@@ -300,21 +300,21 @@ class AssessedPoint:
         here = replace(about(section, settings), bogie_mass=self.bogie_mass)
         for clause in self.clauses:
             key, signal = clause.quantity, self._filtered[clause.id][inside]
-            found: float | None = None
+            result: float | None = None
             if key == "frame_instability" and self.hunting is not None:
-                found = self.hunting.largest(section)
+                result = self.hunting.largest(section)
             elif inside.sum() < 2:
                 continue
             elif key in ("body_ay", "body_az"):
-                found = float(filters.percentiles(signal, given(clause.percentile)))
+                result = float(filters.percentiles(signal, given(clause.percentile)))
             elif key == "frame_hunting":
-                found = float(np.nanmax(signal)) if np.isfinite(signal).any() else None
+                result = float(np.nanmax(signal)) if np.isfinite(signal).any() else None
             elif key in ("body_ay_rms", "body_az_rms"):
-                found = float(np.sqrt((signal**2).mean()))
+                result = float(np.sqrt((signal**2).mean()))
             elif section.zone not in (STRAIGHT, TRANSITION):
-                found = abs(float(np.median(signal)))
-            if found is not None:
-                yield Value(clause.judged, section, "", "", found, clause.limit_at(here), self.name)
+                result = abs(float(np.median(signal)))
+            if result is not None:
+                yield Value(clause.judged, section, "", "", result, clause.limit_at(here), self.name)
 
 
 def assessed_points(dataset: xr.Dataset, settings: AssessmentSettings, rules: RulesFile) -> Iterator[AssessedPoint]:

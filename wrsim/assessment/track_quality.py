@@ -54,7 +54,7 @@ def track_quality(
         rails = channel.reshape(len(place), -1, channel.shape[-1])[:, 0]
         signal = np.column_stack([np.interp(raster, place, rail) for rail in rails.T])
         waves[direction] = band_pass(signal, 1.0 / RASTER, 1.0 / WAVES[1], 1.0 / WAVES[0])
-    found = []
+    qualities = []
     for section in sections:
         inside = (raster >= section.start) & (raster <= section.end)
         if inside.sum() * RASTER < SHORTEST:
@@ -67,8 +67,8 @@ def track_quality(
             mm = 1e3 * deviation
             steps = _step(mm, usual), _step(1e3 * largest, (first, second, QN3 * second))
             band = "below" if mm < low else "within" if mm <= high else "above"
-            found.append(TrackQuality(section, direction, deviation, largest, *steps, band))
-    return tuple(found)
+            qualities.append(TrackQuality(section, direction, deviation, largest, *steps, band))
+    return tuple(qualities)
 
 
 def _row(table: Sequence[Sequence[float]], speeds: Sequence[float], kmh: float) -> tuple[float, ...]:

@@ -31,35 +31,35 @@ NADAL_LINE: dict[str, Any] = {"linestyle": (0, (4, 2))}
 MOST = 1.5  # part of a limit at which bars and points are cut off
 
 
-def assessment_figures(found: Assessment) -> dict[str, Callable[[], Figure]]:
+def assessment_figures(assessment: Assessment) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of an assessment, by file name without ending; histories of several runs are numbered."""
     figures: dict[str, Callable[[], Figure]] = {}
-    if any(v.limit is not None for v in found.values):
-        figures["assessment"] = partial(limits_figure, found)
-    for i, run in enumerate(found.signals, 1):
-        figures[f"assessment_history_{i}" if run else "assessment_history"] = partial(history_figure, found, run)
-    if estimated(found):
-        figures["assessment_estimates"] = partial(estimates_figure, found)
+    if any(v.limit is not None for v in assessment.values):
+        figures["assessment"] = partial(limits_figure, assessment)
+    for i, run in enumerate(assessment.signals, 1):
+        figures[f"assessment_history_{i}" if run else "assessment_history"] = partial(history_figure, assessment, run)
+    if estimated(assessment):
+        figures["assessment_estimates"] = partial(estimates_figure, assessment)
     return figures
 
 
-def limits_figure(found: Assessment) -> Figure:
+def limits_figure(assessment: Assessment) -> Figure:
     """For every quantity with a limit and every class of track: all sections as points, the worst as a bar."""
-    rows = [(zone.worst, zone.worst.limit) for zone in found.zones if zone.worst.limit is not None]
+    rows = [(zone.worst, zone.worst.limit) for zone in assessment.zones if zone.worst.limit is not None]
     clear = max(1.0, *(min(1.0 - (worst.margin or 0.0), MOST) for worst, _ in rows))  # of bars and of the line at 1
 
     def draw(axes: Axes) -> None:
         for i, (worst, limit) in enumerate(rows):
-            own, zone = converted(worst.quantity.shown), worst.section.zone
-            values = [v for v in found.of(worst.quantity.key) if v.section.zone == zone]
+            unit, zone = converted(worst.quantity.shown), worst.section.zone
+            values = [v for v in assessment.of(worst.quantity.key) if v.section.zone == zone]
             used = np.array([1.0 - v.margin for v in values if v.margin is not None])
             most = float(np.nanmax(used))
             fill, words = (BEYOND, STOP_COLOUR) if most > 1.0 else (WITHIN, QUIET)
             axes.barh(i, min(most, MOST), height=0.62, color=fill, alpha=0.35, linewidth=0.0, zorder=2.0)
             axes.plot(np.clip(used, 0.0, MOST), np.full(used.size, i), ".", color=fill, markersize=3.0, zorder=3.0)
             label = (
-                f"{formatted(worst.value * own.factor, '.3g')} {'of at least' if worst.quantity.lowest else 'of'} "
-                f"{quantity(limit.value * own.factor, own.unit, '.3g')}"
+                f"{formatted(worst.value * unit.factor, '.3g')} {'of at least' if worst.quantity.lowest else 'of'} "
+                f"{quantity(limit.value * unit.factor, unit.unit, '.3g')}"
             )
             label += f", {worst.where}"
             note(axes, label, (clear, i), (4.0, 0.0), va="center", fontsize=6.3, color=words)
@@ -69,7 +69,7 @@ def limits_figure(found: Assessment) -> Figure:
         axes.grid(axis="y", visible=False)
 
     words = "Part of the limit that is used: bar: worst; points: every section, wheelset and wheel"
-    return panels(f"{found.title}\n{words}", [draw], 26.0 + 4.6 * len(rows))
+    return panels(f"{assessment.title}\n{words}", [draw], 26.0 + 4.6 * len(rows))
 
 
 HISTORIES = {
@@ -81,20 +81,20 @@ HISTORIES = {
 """Signals of the history: label, factor, quantities whose limits are drawn."""
 
 
-def history_figure(found: Assessment, run: str = "") -> Figure:
+def history_figure(assessment: Assessment, run: str = "") -> Figure:
     """Sum Y, Y/Q, Q and Y of a run as they were evaluated, with their limits, over shaded sections."""
-    signals, sections = found.signals[run], [s for s in found.sections if s.run == run]
+    signals, sections = assessment.signals[run], [s for s in assessment.sections if s.run == run]
     place = signals["place"].values
     wheels: Any = ([(INK, None)], list(zip(WHEEL_COLOUR.values(), (0, 1), strict=True)))
 
     def draw(axes: Axes, name: str) -> None:
         label, factor, quantities = HISTORIES[name]
         shade_sections(axes, sections)
-        for (i, own), (colour, j) in product(enumerate(signals[name].values), wheels[signals[name].ndim - 2]):
-            values = own if j is None else own[:, j]
+        for (i, history), (colour, j) in product(enumerate(signals[name].values), wheels[signals[name].ndim - 2]):
+            values = history if j is None else history[:, j]
             values = np.where(np.isfinite(values), values, np.nan) * factor
             axes.plot(place, values, color=colour, linestyle=GROUP_LINE[i % len(GROUP_LINE)], linewidth=0.9)
-        limited = [v for quantity in quantities for v in found.of(quantity) if v.section.run == run]
+        limited = [v for quantity in quantities for v in assessment.of(quantity) if v.section.run == run]
         _draw_limits(axes, limited, factor, both=name == "sum_Y")
         axes.set(
             xlabel="Distance along the track [m]", ylabel=label.format(**signals.attrs), xlim=(place[0], place[-1])
@@ -108,9 +108,9 @@ def history_figure(found: Assessment, run: str = "") -> Figure:
     for label, line in zip(numbered(names).values() if len(names) > 1 else (), cycle(GROUP_LINE)):
         legend.append(Line2D([], [], color=INK, linestyle=line, label=f"wheelset {label}"))
     legend.append(Line2D([], [], color=STOP_COLOUR, linewidth=0.9, label="limit"))
-    if any(v.limit is not None for v in found.of("Y_over_Q_nadal")):
+    if any(v.limit is not None for v in assessment.of("Y_over_Q_nadal")):
         legend.append(Line2D([], [], color=STOP_COLOUR, linewidth=0.9, label="limit of Nadal", **NADAL_LINE))
-    title = f"{found.title}\nrun {run}" if run else found.title
+    title = f"{assessment.title}\nrun {run}" if run else assessment.title
     return panels(title, [partial(draw, name=name) for name in HISTORIES], 34.0 * len(HISTORIES) + 24.0, legend=legend)
 
 
@@ -166,18 +166,18 @@ def shade_sections(axes: Axes, sections: Sequence[AssessedSection]) -> None:
 ESTIMATES, COLUMNS = 12, 3  # panels of the picture of estimates
 
 
-def estimated(found: Assessment) -> list[ZoneValue]:
+def estimated(assessment: Assessment) -> list[ZoneValue]:
     """What is estimated by influences: quantities with a limit whose sections differ in one, tightest first."""
-    rows = [z for z in found.zones if z.worst.limit is not None and z.regression is not None and z.regression.over]
+    rows = [z for z in assessment.zones if z.worst.limit is not None and z.regression is not None and z.regression.over]
     return sorted(rows, key=lambda z: z.margin or 0.0)[:ESTIMATES]
 
 
-def estimates_figure(found: Assessment) -> Figure:
+def estimates_figure(assessment: Assessment) -> Figure:
     """Largest value of every section over the first influence, moved to where the value is estimated in the others."""
-    draws = [partial(_fit, row=row) for row in estimated(found)]
+    draws = [partial(_fit, row=row) for row in estimated(assessment)]
     words = "points: sections; line: fit; bar: from the fit to the estimated value; red: limit"
     height = 16.0 + 52.0 * ceil(len(draws) / COLUMNS)
-    return panels(f"{found.title}\n{words}", draws, height, columns=COLUMNS, share=False)
+    return panels(f"{assessment.title}\n{words}", draws, height, columns=COLUMNS, share=False)
 
 
 def _fit(axes: Axes, row: ZoneValue) -> None:

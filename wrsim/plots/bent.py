@@ -36,8 +36,8 @@ def _rails(axes: Axes, dataset: xr.Dataset) -> None:
     if (moved[:, 0] == moved[:, 1]).all():
         axes.plot(place, moved[:, 0], color=INK, label="both rails")
     else:
-        for side, own in zip(WHEEL_COLOUR, moved.T, strict=True):
-            axes.plot(place, own, color=WHEEL_COLOUR[side], label=f"{side} rail")
+        for side, shape in zip(WHEEL_COLOUR, moved.T, strict=True):
+            axes.plot(place, shape, color=WHEEL_COLOUR[side], label=f"{side} rail")
     places, at = dataset["wheelset_distance"].values, float(dataset.attrs["bent_at_m"])
     first = [str(name) for name in wheelsets(dataset)].index(str(dataset.attrs["bent_by"]).rpartition(" ")[0])
     for other in places.T:

@@ -26,9 +26,9 @@ def climb_figure(dataset: xr.Dataset) -> Figure:
 
     def draw(axes: Axes) -> None:
         for value, colour in zip(np.unique(quotient), cycle(SERIES_COLOURS)):
-            own = np.flatnonzero(quotient == value)
-            own = own[np.argsort(attack[own])]
-            done, held = own[climbed[own]], own[~climbed[own]]
+            points = np.flatnonzero(quotient == value)
+            points = points[np.argsort(attack[points])]
+            done, held = points[climbed[points]], points[~climbed[points]]
             words = f"Y/Q = {value:.3g}"
             if done.size:
                 axes.plot(attack[done], way[done], "o-", color=colour, markersize=3, label=words)

@@ -50,8 +50,8 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
     drawn = {(w, n, c.order): _placed(results[n], first, c.moment, w) for w in wheels for n in names for c in columns}
     reaches = {}
     for wheel in wheels:
-        found = extent_of_patches((results[n], *patch) for (w, n, _), p in drawn.items() if w == wheel for patch in p)
-        reaches[wheel] = np.add(found or ((-5.0, 5.0), (-5.0, 5.0)), (-1.0, 1.0))
+        extent = extent_of_patches((results[n], *patch) for (w, n, _), p in drawn.items() if w == wheel for patch in p)
+        reaches[wheel] = np.add(extent or ((-5.0, 5.0), (-5.0, 5.0)), (-1.0, 1.0))
     wide, tall = np.max([np.ptp(reach, axis=1) for reach in reaches.values()], axis=0)
     per_mm = min(page.panel / wide, 60.0 / tall)
     shapes = [shown(select(results[n], where), "strip_p") for (_, n, _), p in drawn.items() for where, _ in p]
@@ -71,8 +71,8 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
 
     def row(wheel: str, name: str, colour: str) -> GalleryRow:
         label = name.replace("+", "\n+") + (f"\n{wheel} wheel" if len(wheels) > 1 else "")
-        own = [c.order for c in columns if drawn[wheel, name, c.order]]
-        cells = {j: partial(draw, wheel=wheel, name=name, column=j) for j in own}
+        orders = [c.order for c in columns if drawn[wheel, name, c.order]]
+        cells = {j: partial(draw, wheel=wheel, name=name, column=j) for j in orders}
         return GalleryRow(label, colour, per_mm * float(np.ptp(reaches[wheel][1])), 11.0, cells)
 
     rows = [(columns, [row(wheel, *pair) for pair in zip(names, cycle(MODEL_COLOUR))]) for wheel in wheels]
@@ -175,9 +175,9 @@ def overlay_figure(datasets: Sequence[xr.Dataset], names: Sequence[str]) -> Figu
             x, along = (np.arange(dataset.sizes["pose"]), "pose") if poses else abscissa(dataset)
             values = shown(dataset, name).reshape(x.size, -1)
             wheels = dataset["wheel"].values if "wheel" in dataset[name].dims else [""]
-            for own, wheel in zip(values.T, wheels, strict=True):
+            for line_values, wheel in zip(values.T, wheels, strict=True):
                 look: Any = {"linestyle": line, "linewidth": 0.9, "zorder": 3.0 - 0.1 * order}  # the first is on top
-                axes.plot(x, own, color=WHEEL_COLOUR.get(str(wheel), INK), **look)
+                axes.plot(x, line_values, color=WHEEL_COLOUR.get(str(wheel), INK), **look)
         axes.set_xlabel("Pose" if along == "pose" else CHANNELS[along].label)
         axes.set_ylabel(CHANNELS[name].short_label)
 

@@ -102,25 +102,25 @@ def angles(axes: Axes, dataset: xr.Dataset) -> None:
     axes.legend(loc="best", fontsize=6.5)
 
 
-def conicity_map_figure(found: ConicityMap, title: str) -> Figure:
+def conicity_map_figure(conicity: ConicityMap, title: str) -> Figure:
     """Conicity at 3 mm above, nonlinearity parameter below; of many pairs a map of the conicity with a row for each."""
-    wheels, rails = ({pair[k] for pair in found.pairs} for k in (0, 1))
+    wheels, rails = ({pair[k] for pair in conicity.pairs} for k in (0, 1))
     labels = [
         w if len(rails) == 1 and len(wheels) > 1 else r if len(wheels) == 1 and len(rails) > 1 else f"{w} on {r}"
-        for w, r in found.pairs
+        for w, r in conicity.pairs
     ]
-    gauges, words = 1e3 * np.array(found.gauges), r"equivalent conicity $\tan\gamma_e$ at 3 mm"
+    gauges, words = 1e3 * np.array(conicity.gauges), r"equivalent conicity $\tan\gamma_e$ at 3 mm"
 
     def lines(axes: Axes, values: np.ndarray, ylabel: str, bottom: float | None) -> None:
-        for label, own in zip(labels, values, strict=True):
-            axes.plot(gauges, own, ".-", label=label)
+        for label, row in zip(labels, values, strict=True):
+            axes.plot(gauges, row, ".-", label=label)
         axes.set_ylim(bottom=bottom)
         axes.set(xlabel="gauge [mm]", ylabel=ylabel)
 
     def rows(axes: Axes) -> None:
         step = gauges[1] - gauges[0] if gauges.size > 1 else 1.0
         extent = (gauges[0] - 0.5 * step, gauges[-1] + 0.5 * step, len(labels) - 0.5, -0.5)
-        drawn = axes.imshow(found.conicity, aspect="auto", extent=extent, cmap=pressure_map(), vmin=0.0)
+        drawn = axes.imshow(conicity.conicity, aspect="auto", extent=extent, cmap=pressure_map(), vmin=0.0)
         axes.set_yticks(range(len(labels)), labels)
         axes.grid(visible=False)
         axes.set_xlabel("gauge [mm]")
@@ -128,6 +128,6 @@ def conicity_map_figure(found: ConicityMap, title: str) -> Figure:
 
     if len(labels) > LINES:
         return panels(title, [rows], 45.0 + 6.0 * len(labels))
-    both = ((found.conicity, words, 0.0), (found.nonlinearity, "nonlinearity parameter [1/mm]", None))
+    both = ((conicity.conicity, words, 0.0), (conicity.nonlinearity, "nonlinearity parameter [1/mm]", None))
     draws = [partial(lines, values=values, ylabel=label, bottom=bottom) for values, label, bottom in both]
     return panels(title, draws, 120.0, legend=None if len(labels) > 1 else ())

@@ -35,8 +35,8 @@ def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> None:
     """Draw the rail and the wheel of one moment as cut solids, in mm."""
     at = {"wheel": list(dataset["wheel"].values).index(wheel), moment_dim(dataset): moment}
     for part, fill, beyond, order in (("rail", RAIL_FILL, -300.0, 1.0), ("wheel", WHEEL_FILL, 300.0, 1.1)):
-        own = (dataset.variables[f"{part}_profile_{n}"] for n in "yz")
-        y, z = (1e3 * line.isel(at, missing_dims="ignore").values for line in own)
+        coordinates = (dataset.variables[f"{part}_profile_{n}"] for n in "yz")
+        y, z = (1e3 * line.isel(at, missing_dims="ignore").values for line in coordinates)
         finite = np.isfinite(y) & np.isfinite(z)
         if not finite.any():
             continue
@@ -133,12 +133,12 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
         cross_section_zoom(axes, dataset, where, scale)
 
     rows = []
-    found = gallery.patches_in(dataset, columns)
+    patches = gallery.patches_in(dataset, columns)
     for wheel in [""] if any(c.wheel for c in columns) else [str(w) for w in dataset["wheel"].values]:
         colour, label = WHEEL_COLOUR.get(wheel, INK), f"{wheel} wheel" if wheel else ""
         whole = [partial(overview, moment=c.moment, wheel=wheel or c.wheel, first=not j) for j, c in enumerate(columns)]
         rows.append(gallery.GalleryRow(label, colour, flat, 8.5, dict(enumerate(whole))))
-        for (_, patch), places in (row for row in found.items() if row[0][0] == wheel):
+        for (_, patch), places in (row for row in patches.items() if row[0][0] == wheel):
             cells = {j: partial(close, where=where, first=j == min(places)) for j, where in places.items()}
             rows.append(gallery.GalleryRow(gallery.PATCH_NAMES[patch], colour, page.panel, 15.0, cells))
     reading = (

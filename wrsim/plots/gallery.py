@@ -81,8 +81,8 @@ def most_moments() -> int:
 def columns_of(dataset: xr.Dataset, moments: Sequence[int]) -> list[GalleryColumn]:
     """Columns for the moments, in their order."""
     wheels = [str(w) for w in dataset["wheel"].values]
-    own = wheels if len(moments) <= most_moments() // 2 and len(moments) <= 2 and len(wheels) == 2 else [""]
-    return [GalleryColumn(moment, i, wheel) for i, moment in enumerate(moments) for wheel in own]
+    sides = wheels if len(moments) <= most_moments() // 2 and len(moments) <= 2 and len(wheels) == 2 else [""]
+    return [GalleryColumn(moment, i, wheel) for i, moment in enumerate(moments) for wheel in sides]
 
 
 def patches_in(dataset: xr.Dataset, columns: Sequence[GalleryColumn]) -> dict[tuple[str, int], dict[int, PatchAt]]:
@@ -92,8 +92,8 @@ def patches_in(dataset: xr.Dataset, columns: Sequence[GalleryColumn]) -> dict[tu
     rows = {}
     for wheel, patch in product([""] if any(c.wheel for c in columns) else wheels, range(finite.shape[2])):
         wanted = [PatchAt(c.moment, wheel or c.wheel, patch) for c in columns]
-        if own := {j: w for j, w in enumerate(wanted) if finite[w.moment, wheels.index(w.wheel), patch]}:
-            rows[wheel, patch] = own
+        if cells := {j: w for j, w in enumerate(wanted) if finite[w.moment, wheels.index(w.wheel), patch]}:
+            rows[wheel, patch] = cells
     return rows
 
 
@@ -117,7 +117,7 @@ def draw_gallery(
     """Blocks of rows beneath the titles of their columns. note: in red, of a stopped analysis; dataset: of the moments
     in the columns; reading: how to read the picture."""
     titles = [[_title(page, dataset, column) for column in columns] for columns, _ in blocks]
-    above = 5.0 + 3.0 * max((text.count("\n") for own in titles for text in own), default=0)
+    above = 5.0 + 3.0 * max((text.count("\n") for texts in titles for text in texts), default=0)
     top = 7.0 + theme.head_height(title, note, page.width)
     heights = sum(row.height + row.beneath for _, rows in blocks for row in rows)
     beside = page.width >= _NARROWEST  # the words on how to read it are beside the scale of pressure, or beneath it

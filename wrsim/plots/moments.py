@@ -57,9 +57,9 @@ def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
     # plain arrays: labels of everything, carried along, cost a tenth of a gallery
     names = ("s", "ds", "x", "a", "p", "angle", "y", "z", "N")
     drawn = {f"strip_{n}": dataset.variables[f"strip_{n}"] for n in names if f"strip_{n}" in dataset}
-    values = {name: own.values[tuple(at.get(str(dim), slice(None)) for dim in own.dims)] for name, own in drawn.items()}
+    values = {name: var.values[tuple(at.get(str(dim), slice(None)) for dim in var.dims)] for name, var in drawn.items()}
     used = order_of_strips(values["strip_s"], values["strip_p"])
-    return xr.Dataset({name: ("strip", own[used], drawn[name].attrs) for name, own in values.items()})
+    return xr.Dataset({name: ("strip", var[used], drawn[name].attrs) for name, var in values.items()})
 
 
 def _indices(dataset: xr.Dataset, where: PatchAt) -> dict[str, Any]:
@@ -81,10 +81,10 @@ def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArr
 def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:
     """The strips under pressure, split where a gap lies between neighbours: the islands of one patch."""
     a, p = (strips.variables[f"strip_{name}"].values for name in "ap")
-    own = np.flatnonzero((a > 0.0) & (p > 0.0))
-    s, ds = (strips.variables[f"strip_{name}"].values[own] for name in ("s", "ds"))
+    pressed = np.flatnonzero((a > 0.0) & (p > 0.0))
+    s, ds = (strips.variables[f"strip_{name}"].values[pressed] for name in ("s", "ds"))
     gaps = np.flatnonzero(np.diff(s) > 0.75 * (ds[1:] + ds[:-1])) + 1
-    islands = [part for part in np.split(own, gaps) if part.size]
+    islands = [part for part in np.split(pressed, gaps) if part.size]
     return [strips if part.size == a.size else strips.isel(strip=part) for part in islands]
 
 
@@ -93,9 +93,10 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
     differ) and reason, or the pose. The letter is the snapshot's own, as in the histories; poses are lettered in the
     ``order`` of the picture."""
     if moment_dim(dataset) == "snapshot":
-        place, own = dataset["snapshot_distance"].values[moment], dataset["distance"].values[sample_of(dataset, moment)]
+        place = dataset["snapshot_distance"].values[moment]
+        wheelset = dataset["distance"].values[sample_of(dataset, moment)]
         label = str(dataset["snapshot_label"].values[moment]) if "snapshot_label" in dataset else ""
-        places = {"vehicle ": place, "wheelset ": own} if abs(own - place) >= SEPARATE_LABELS else {"": place}
+        places = {"vehicle ": place, "wheelset ": wheelset} if abs(wheelset - place) >= SEPARATE_LABELS else {"": place}
         words = ", ".join(f"{who}{quantity(float(where), 'm', '.1f')}" for who, where in places.items())
         lines = [f"({snapshot_letter(moment)}) {words}", "" if label.startswith("at ") else label]  # it is the place
     else:
@@ -144,11 +145,11 @@ def beyond_railways(forces: NDArray[np.float64]) -> tuple[NDArray[np.bool_], str
     """Poses that no railway has, of normal forces (pose, ...) of wheels [kN], and words for them; none where that
     leaves nothing to draw."""
     most = np.nan_to_num(forces).reshape(len(forces), -1).max(axis=1, initial=0.0)
-    found = most > LARGEST_FORCE
-    if found.all() or not found.any():
-        return np.zeros_like(found), ""
+    heavy = most > LARGEST_FORCE
+    if heavy.all() or not heavy.any():
+        return np.zeros_like(heavy), ""
     largest = quantity(float(most.max()), "kN", ".0f")
-    return found, f"{int(found.sum())} of {found.size} poses, with up to {largest} on a wheel, are left out of the axes"
+    return heavy, f"{int(heavy.sum())} of {heavy.size} poses, with up to {largest} on a wheel, are left out of the axes"
 
 
 def ends_of(values: NDArray[np.float64]) -> tuple[float, float]:

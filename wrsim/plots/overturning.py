@@ -45,7 +45,7 @@ def over_wind(dataset: xr.Dataset) -> Figure:
 
     def draw(axes: Axes) -> None:
         for (key, label), colour in zip(words.items(), cycle(SERIES_COLOURS)):
-            points: list[Any] = [(own["wind_m_s"], own[key]) for own in limits if own[key] is not None]
+            points: list[Any] = [(limit["wind_m_s"], limit[key]) for limit in limits if limit[key] is not None]
             if points:
                 axes.plot(*zip(*points, strict=True), "o-", color=colour, markersize=3, label=label)
         axes.set(xlabel=CHANNELS["wind_speed"].label, ylabel=CHANNELS["pose_speed"].label)

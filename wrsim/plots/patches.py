@@ -108,7 +108,7 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     page = gallery.Page(min(widths, key=lambda n: -count % n) if folded else max(min(count, most), 1))
     parts = (columns[i : i + page.columns] for i in range(0, len(columns), page.columns))
     blocks = [(part, gallery.patches_in(dataset, part)) for part in parts]
-    reaches = {where: _reach(dataset, where) for _, rows in blocks for own in rows.values() for where in own.values()}
+    reaches = {where: _reach(dataset, where) for _, rows in blocks for r in rows.values() for where in r.values()}
     wide, tall = np.max([np.ptp(reach, axis=1) for reach in reaches.values()] or [np.ones(2)], axis=0)
     wide = max(wide, tall * page.panel / TALLEST_PANEL)
     scale = pressure_scale(dataset, chosen)
@@ -123,14 +123,14 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
         if first:
             axes.set_ylabel("x [mm]", labelpad=1.0, fontsize=6.8)
 
-    def row(wheel: str, patch: int, own: dict[int, PatchAt]) -> gallery.GalleryRow:
-        up = max(float(np.ptp(reaches[where][1])) for where in own.values())
-        cells = {j: partial(draw, where=where, up=up, first=j == min(own)) for j, where in own.items()}
+    def row(wheel: str, patch: int, places: dict[int, PatchAt]) -> gallery.GalleryRow:
+        up = max(float(np.ptp(reaches[where][1])) for where in places.values())
+        cells = {j: partial(draw, where=where, up=up, first=j == min(places)) for j, where in places.items()}
         label = f"{wheel} wheel" * bool(wheel) + "\n" * bool(wheel and patch)
         label += gallery.PATCH_NAMES[patch] if patch or not wheel else ""
         return gallery.GalleryRow(label, WHEEL_COLOUR.get(wheel, INK), page.panel / wide * up, 15.0, cells)
 
-    rows = [(part, [row(*key, own) for key, own in found.items()]) for part, found in blocks]
+    rows = [(part, [row(*key, r) for key, r in patches.items()]) for part, patches in blocks]
     reading = (
         "Across: curved axis s, field side to the right. Up: rolling direction x.\n"
         "One scale everywhere; every panel is cut out around its patch." + gallery.selection_words(dataset, chosen)
@@ -140,9 +140,9 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
 
 def _reach(dataset: xr.Dataset, where: PatchAt) -> tuple[tuple[float, float], tuple[float, float]]:
     """Limits in s and x of a patch with a margin, mm."""
-    if (found := extent_of_patches([(dataset, where, 0.0)])) is None:
+    if (extent := extent_of_patches([(dataset, where, 0.0)])) is None:
         return (-1.0, 1.0), (-1.0, 1.0)
-    (low, high), (back, front) = found
+    (low, high), (back, front) = extent
     margin = 0.05 * (high - low) + 0.3
     return (low - margin, high + margin), (back - margin, front + margin)
 

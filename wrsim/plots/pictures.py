@@ -41,12 +41,12 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Pictures of the vehicle (``vehicle_figures``) and of the wheelset with the largest Y/Q (``wheelset_figures``),
     in a folder of its own where there are several."""
     worst = worst_wheelset(dataset)
-    own = wheelset_folder(wheelsets(dataset), worst)
+    folder = wheelset_folder(wheelsets(dataset), worst)
     of_worst = wheelset_figures(of_wheelset(dataset, worst))
     of_wear = {"wear": wear_figure, "fatigue": fatigue_figure} if has_wear(dataset) else {}
     of_vehicle = vehicle_figures(dataset) | {name: partial(make, dataset) for name, make in of_wear.items()}
     of_vehicle |= bent_figures(dataset)
-    return of_vehicle | {f"{own}{name}": make for name, make in of_worst.items()}
+    return of_vehicle | {f"{folder}{name}": make for name, make in of_worst.items()}
 
 
 def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
@@ -60,7 +60,7 @@ def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
             present = tuple(c for c in channels if c in one and (c != "guide_force_y" or one[c].values.any()))
             if present:
                 figures[name] = partial(channels_figure, one, present)
-        fast = [str(n) for n, own in one.data_vars.items() if own.dims[:1] == ("fast_time",)]
+        fast = [str(n) for n, variable in one.data_vars.items() if variable.dims[:1] == ("fast_time",)]
         if fast:
             figures["fast"] = partial(channels_figure, fast_of(one), [name.removeprefix("fast_") for name in fast])
     elif one.sizes.get("pose", 0) > 1 and any(np.isfinite(one[name]).any() for name in PANELS if name in one):

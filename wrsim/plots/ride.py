@@ -25,16 +25,16 @@ Rides = Mapping[str, Ride]
 """By the names of their runs."""
 
 
-def ride_figures(found: Ride) -> dict[str, Callable[[], Figure]]:
+def ride_figures(ride: Ride) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of a ride, by file name without ending."""
-    drawn = (name for name, (across, *_) in PICTURES.items() if found.data.sizes[across])
-    return {name: partial(ride_figure, {"": found}, name) for name in drawn}
+    drawn = (name for name, (across, *_) in PICTURES.items() if ride.data.sizes[across])
+    return {name: partial(ride_figure, {"": ride}, name) for name in drawn}
 
 
 def ride_figure(rides: Rides, picture: str) -> Figure:
     """One of ``PICTURES``: all directions against frequency."""
     titles = "\n".join(dict.fromkeys(f"{one.title}: {one.stretch}" for one in rides.values()))
-    draws = [partial(ride_spectra, found=rides, axis=axis, picture=picture) for axis in DIRECTIONS]
+    draws = [partial(ride_spectra, rides=rides, axis=axis, picture=picture) for axis in DIRECTIONS]
     figure = panels(titles, draws, 150.0, legend=None, across=5)
     frequency_ticks(figure.axes[-1])
     return figure
@@ -50,16 +50,16 @@ def frequency_ticks(axes: Axes, upright: bool = False) -> None:
     axis.set_label_text("Frequency [Hz]")
 
 
-def ride_spectra(axes: Axes, found: Rides, axis: str, picture: str) -> None:
+def ride_spectra(axes: Axes, rides: Rides, axis: str, picture: str) -> None:
     """One of ``PICTURES`` in one direction: a line a point on logarithmic scales; with marks, if they have a size."""
     across, name, label, lowest, decades, markersize = PICTURES[picture]
     axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} {label}")
     lines = {
-        f"{run}: {point}" if len(found) > 1 else point: (
+        f"{run}: {point}" if len(rides) > 1 else point: (
             data[across].values,
             data[name].sel(point=point, axis=axis).values,
         )
-        for run, one in found.items()
+        for run, one in rides.items()
         for point, data in ((point, one.data) for point in one.points)
     }
     over_frequency(axes, lines, lowest, decades, markersize)

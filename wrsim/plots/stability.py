@@ -91,14 +91,14 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> None:
     branch, ending = dataset["cycle_branch"].values, dataset["cycle_ending"].values
     amplitude = np.where(ending == "rest", 0.0, amplitude)
     for name, (colour, mark) in BRANCHES.items():
-        own = np.flatnonzero((branch == name) & (ending != "derailed"))
-        own = own[np.argsort(speed[own])]
-        if not own.size:
+        points = np.flatnonzero((branch == name) & (ending != "derailed"))
+        points = points[np.argsort(speed[points])]
+        if not points.size:
             continue
-        alive = (amplitude[own] > 0.0) & (ending[own] == "cycle")
-        axes.plot(speed[own], np.where(alive, amplitude[own], np.nan), color=colour, linewidth=0.9, gid=name)
-        converged = ~np.isin(ending[own], ("not converged", "unsettled"))  # the second in older files
-        settled, open_ = own[converged], own[~converged]
+        alive = (amplitude[points] > 0.0) & (ending[points] == "cycle")
+        axes.plot(speed[points], np.where(alive, amplitude[points], np.nan), color=colour, linewidth=0.9, gid=name)
+        converged = ~np.isin(ending[points], ("not converged", "unsettled"))  # the second in older files
+        settled, open_ = points[converged], points[~converged]
         axes.plot(speed[settled], amplitude[settled], mark, color=colour, markersize=4.0, label=name)
         if open_.size:
             hollow: Any = {"markerfacecolor": "white", "markeredgecolor": colour, "label": f"{name}, not converged"}
@@ -119,13 +119,13 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def _title(dataset: xr.Dataset) -> str:
-    found = summarise_stability(dataset)
+    facts = summarise_stability(dataset)
     words = [str(dataset.attrs["title"])]
-    if (linear := found["linear_critical_speed_kmh"]) is not None:
-        frequency = quantity(found["critical_frequency_Hz"], "Hz", ".2f")
-        words.append(f"linear critical speed {quantity(linear, 'km/h', '.1f')}, {frequency}, {found['critical_mode']}")
-    elif "critical_note" in found:
-        words.append(found["critical_note"])
-    if (nonlinear := found["nonlinear_critical_speed_kmh"]) is not None:
+    if (linear := facts["linear_critical_speed_kmh"]) is not None:
+        frequency = quantity(facts["critical_frequency_Hz"], "Hz", ".2f")
+        words.append(f"linear critical speed {quantity(linear, 'km/h', '.1f')}, {frequency}, {facts['critical_mode']}")
+    elif "critical_note" in facts:
+        words.append(facts["critical_note"])
+    if (nonlinear := facts["nonlinear_critical_speed_kmh"]) is not None:
         words[-1] += f"; nonlinear {quantity(nonlinear, 'km/h', '.1f')}"
     return "\n".join(words)

@@ -38,27 +38,27 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
     else:
         x, label = shown(dataset, "cant_deficiency"), CHANNELS["cant_deficiency"].label
         series = np.stack([dataset["pose_cant"].values, radius], axis=1)
-    found, which = np.unique(series.round(9), axis=0, return_inverse=True)
+    kinds, which = np.unique(series.round(9), axis=0, return_inverse=True)
     failed = dataset["pose_message"].values != ""
     names = map(str, dataset["wheelset"].values)
     entries = [Line2D([], [], color=c, marker="o", label=name) for name, c in zip(names, cycle(SERIES_COLOURS))]
     factor, unit = (3.6, "km/h") if by_curvature else (1.0, "m")
-    for (cant, other), line in zip(found.tolist() if len(found) > 1 else (), cycle(LINES)):
+    for (cant, other), line in zip(kinds.tolist() if len(kinds) > 1 else (), cycle(LINES)):
         words = f"{quantity(1e3 * cant, 'mm')}, {quantity(factor * other, unit, '.5g')}"
         entries.append(Line2D([], [], color=QUIET, linewidth=0.9, linestyle=line, label=words))
 
-    members = [np.flatnonzero(which.ravel() == k) for k in range(len(found))]
-    lines = [(own[np.argsort(x[own])], line) for own, line in zip(members, cycle(LINES))]
+    members = [np.flatnonzero(which.ravel() == k) for k in range(len(kinds))]
+    lines = [(points[np.argsort(x[points])], line) for points, line in zip(members, cycle(LINES))]
     outer = (radius > 0.0).astype(int)  # the right wheel in curves to the left
 
     def draw(axes: Axes, name: str) -> None:
         values, channel = shown(dataset, name), CHANNELS[name]
         if of_wheels := values.ndim == 3:
             values = np.take_along_axis(values, outer[:, None, None], axis=2)[..., 0]
-        for own, line in lines:
+        for points, line in lines:
             look: Any = {"linestyle": line, "marker": "o", "markersize": 2.2, "linewidth": 0.9}
-            for of_wheelset, colour in zip(values[own].T, cycle(SERIES_COLOURS)):
-                axes.plot(x[own], of_wheelset, color=colour, **look)
+            for of_wheelset, colour in zip(values[points].T, cycle(SERIES_COLOURS)):
+                axes.plot(x[points], of_wheelset, color=colour, **look)
         if name != "Q":
             axes.axhline(0.0, color=QUIET, linewidth=0.5)
         axes.set(xlabel=label, ylabel=f"Outer wheel: {channel.short_label}" if of_wheels else channel.label)

@@ -51,8 +51,8 @@ def study_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     others = [str(n) for n, c in dataset.coords.items() if n not in dataset.dims and c.dtype.kind == "f"]
     if sampled := [name for name in others if np.unique(dataset[name].values).size > 1]:
         makers["samples"] = partial(samples_figure, dataset, outputs, sampled[:MOST_KEYS])
-    if (found := sensitivity_in(dataset)) and found["indices"]:
-        makers["sensitivity"] = partial(sensitivity_figure, dataset, found)
+    if (sensitivity := sensitivity_in(dataset)) and sensitivity["indices"]:
+        makers["sensitivity"] = partial(sensitivity_figure, dataset, sensitivity)
     if int((dataset["status"] == COMPLETED).sum()) >= ENOUGH:
         makers["percentiles"] = partial(percentiles_figure, dataset, outputs)
     return makers
@@ -162,23 +162,23 @@ def samples_figure(dataset: xr.Dataset, outputs: Sequence[str], keys: Sequence[s
     return panels(title, draws, height, columns=len(keys), share=False, note=note)
 
 
-def sensitivity_figure(dataset: xr.Dataset, found: Mapping[str, Any]) -> Figure:
+def sensitivity_figure(dataset: xr.Dataset, table: Mapping[str, Any]) -> Figure:
     """Indices of every output as bars with their intervals, the key that decides most on top."""
-    words = METHODS[found["method"]]
-    outputs = by_output(found)
+    words = METHODS[table["method"]]
+    outputs = by_output(table)
     shown = list(outputs)[:MOST_OUTPUTS]
 
     def draw(axes: Axes, name: str) -> None:
         keys = outputs[name]
         for j, kind in enumerate(words):
-            rows = [own[kind] for _, own in keys]
+            rows = [indices[kind] for _, indices in keys]
             value, low, high = (np.array([row[end] for row in rows], dtype=float) for end in ("value", "low", "high"))
             at = np.arange(len(rows)) + (j - 0.5 * (len(words) - 1)) * 0.36
             axes.barh(at, value, height=0.34, color=SERIES_COLOURS[j], alpha=0.55, linewidth=0.0)
             axes.hlines(at, low, high, color=INK, linewidth=0.8)
         labels = ["\n".join(wrap(key.partition(".")[2], LETTERS + 10)) for key, _ in keys]  # without the table
         axes.set_yticks(range(len(keys)), labels, fontsize=6.0)
-        axes.set(ylim=(len(keys) - 0.4, -0.6), title=label_of(dataset, name), xlabel=f"Sensitivity ({found['method']})")
+        axes.set(ylim=(len(keys) - 0.4, -0.6), title=label_of(dataset, name), xlabel=f"Sensitivity ({table['method']})")
         axes.axvline(0.0, color=QUIET, linewidth=0.6)
         axes.grid(axis="y", visible=False)
 

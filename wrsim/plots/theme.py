@@ -75,7 +75,7 @@ LAID_OUT = re.compile(
 """Settings of matplotlib that the pictures are laid out with: those of a style would clip their letters."""
 
 LOOK: ContextVar[Look] = ContextVar("look", default=Look())  # noqa: B039 (frozen)
-"""Of the pictures that are drawn."""
+"""Choice for the pictures that are drawn."""
 
 STYLE: Any = {
     "font.family": ["DejaVu Sans"], "font.size": 7.5, "mathtext.fontset": "dejavusans",
@@ -107,18 +107,18 @@ def look_of(formats: str = "png", width: float | None = None, font: str = "", st
         raise InputError(f"--format {formats}: {unknown[0]!r} is none of {', '.join(KINDS)}")
     settings: dict[str, Any] = {}
     if style:
-        own = Path(style).is_file()
-        if not own and style not in mpl.style.available:
+        is_file = Path(style).is_file()
+        if not is_file and style not in mpl.style.available:
             known = suggest(style, mpl.style.available)
             raise InputError(f"--style {style}: is no file and no style of matplotlib{known}")
         try:
-            for number, line in enumerate(Path(style).read_text("utf-8").splitlines() if own else (), 1):
+            for number, line in enumerate(Path(style).read_text("utf-8").splitlines() if is_file else (), 1):
                 key = line.partition("#")[0].partition(":")[0].strip()
                 if key and key not in mpl.rcParams:
                     known = suggest(key, list(mpl.rcParams))
                     raise InputError(f"--style {style}, line {number}: matplotlib has no setting {key!r}{known}")
-            found: Any = mpl.rc_params_from_file(style, True, False) if own else mpl.style.library[style]
-            settings |= {key: value for key, value in found.items() if not LAID_OUT.match(key)}
+            chosen: Any = mpl.rc_params_from_file(style, True, False) if is_file else mpl.style.library[style]
+            settings |= {key: value for key, value in chosen.items() if not LAID_OUT.match(key)}
             grounds = (settings.get(key, "white") for key in ("figure.facecolor", "axes.facecolor"))
             if any(np.dot(to_rgb(ground), LUMA) < 0.5 for ground in grounds):
                 raise InputError(f"--style {style}: has a dark ground, and the letters of the pictures are dark")
@@ -157,8 +157,8 @@ def _narrowing(family: str) -> float:
     if [family] == STYLE["font.family"]:
         return 1.0
     fonts = (FontProperties(family=[name]) for name in (*STYLE["font.family"], family))
-    own, other = (TextPath((0.0, 0.0), SAMPLE, 100, prop=font).get_extents().width for font in fonts)
-    return min(1.0, float(own / max(other, 1e-9)))
+    narrow, other = (TextPath((0.0, 0.0), SAMPLE, 100, prop=font).get_extents().width for font in fonts)
+    return min(1.0, float(narrow / max(other, 1e-9)))
 
 
 class Picture(Figure):
@@ -239,8 +239,8 @@ def save(figure: Figure, path: str | Path) -> Path:
 def rendered(figure: Figure, kind: str = "png", dpi: int = 220) -> bytes:
     """The figure as PNG with so many dots an inch, SVG or PDF."""
     stream = io.BytesIO()
-    own: Any = {"svg.hashsalt": "wrsim", "svg.fonttype": "path", "pdf.fonttype": 42, "savefig.dpi": dpi}
-    with style(), mpl.rc_context(own):
+    output: Any = {"svg.hashsalt": "wrsim", "svg.fonttype": "path", "pdf.fonttype": 42, "savefig.dpi": dpi}
+    with style(), mpl.rc_context(output):
         show_in_units(figure)
         if (layout := figure.get_layout_engine()) is not None:
             # matplotlib draws a figure twice to lay it out; once is enough

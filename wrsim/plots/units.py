@@ -81,11 +81,11 @@ def _aligned(axes: Axes, other: Axes, direction: str) -> bool:
 def _convert(axis: Axis, words: str) -> None:
     label, unit = heading_in(words)
     locator = axis.get_major_locator()
-    if own := axis.get_label_text():
-        axis.set_label_text(in_text(own))
+    if text := axis.get_label_text():
+        axis.set_label_text(in_text(text))
     if unit is None or axis.get_scale() != "linear" or not isinstance(locator, MaxNLocator | NullLocator):
         return
-    if own:
+    if text:
         axis.set_label_text(in_text(label))
     if isinstance(locator, MaxNLocator):
         bins = "auto" if isinstance(locator, AutoLocator) else getattr(locator, "_nbins", "auto")

@@ -135,9 +135,9 @@ def campbell_figure(title: str, axles: Sequence[Mapping[str, Any]]) -> Figure:
 
     def draw(axes: Axes, axle: Mapping[str, Any]) -> None:
         for way, look in (("backward", "--"), ("forward", "-")):
-            for k, own in enumerate(np.array(axle[f"{way}_Hz"]).T):
+            for k, frequencies in enumerate(np.array(axle[f"{way}_Hz"]).T):
                 label = way if k == 0 else None
-                axes.plot(axle["speed_kmh"], own, look, color=PART_COLOURS[k % len(PART_COLOURS)], label=label)
+                axes.plot(axle["speed_kmh"], frequencies, look, color=PART_COLOURS[k % len(PART_COLOURS)], label=label)
         axes.set(xlabel="speed [km/h]", ylabel="frequency [Hz]", ylim=(0.0, None), title=axle["wheelset"])
         axes.legend()
 

@@ -89,7 +89,7 @@ def _over_profile(axes: Axes, dataset: xr.Dataset, name: str, body: str, **look:
     """A channel over the lateral place on wheels or rails; only where there is something."""
     edges = []
     for wheel in (str(side) for side in dataset["wheel"].values):
-        u, values = (shown(dataset.sel(wheel=wheel), own) for own in (f"wear_{body}_u", name))
+        u, values = (shown(dataset.sel(wheel=wheel), channel) for channel in (f"wear_{body}_u", name))
         axes.plot(u, values, color=WHEEL_COLOUR[wheel], **look)  # type: ignore[arg-type]
         energy = dataset[f"wear_{body}_energy"].sel(wheel=wheel).values
         worn = u[np.nan_to_num(energy) > 0.0]

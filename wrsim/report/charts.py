@@ -24,7 +24,7 @@ NAMED = ("body", "point", "coupling", "span")
 """Dimensions, besides that of wheelsets, whose labels name the curves of a chart."""
 
 DASHES = ("", "5 3", "1 3", "8 3 2 3", "12 4")
-"""Of the left and the right wheel; of several results those of ``NAMED``, whose colours distinguish the results."""
+"""Dashes of the left and the right wheel; of several results, which colours distinguish, those of ``NAMED``."""
 
 LEFT = "positive to the left"
 OF_TWO = f"of two vehicles: that ahead against that behind, {LEFT}"
@@ -73,27 +73,27 @@ def charts_of(
         return None
     moves = all("distance" in d.coords and np.ptp(d["distance"].values) > 1e-9 for d in datasets)
     sets = [wheelsets(d) for d in datasets]
-    parts = list(dict.fromkeys(name for own in sets for name in own))
+    parts = list(dict.fromkeys(name for members in sets for name in members))
     called = numbered(parts) if len(set(sets)) == 1 else dict(zip(parts, parts, strict=True))
     curves: dict[str, list[Curve]] = {}
     for key in CHARTS:
         drawn = (_curves(d, key, moves, run, names, called) for run, d in enumerate(datasets) if key in d)
-        own = [curve for of_run in drawn for curve in of_run]
-        if any(np.nan_to_num(curve.values).any() for curve in own):
-            curves[key] = own
+        members = [curve for of_run in drawn for curve in of_run]
+        if any(np.nan_to_num(curve.values).any() for curve in members):
+            curves[key] = members
     if not curves:
         return None
-    pieces = pieces_of([curve.places for own in curves.values() for curve in own])
+    pieces = pieces_of([curve.places for members in curves.values() for curve in members])
     unit = "m" if moves else "s"
-    found: dict[str, Any] = {
+    page: dict[str, Any] = {
         "x": [round(v, 3) for v in (pieces[:-1, None] + np.diff(pieces)[:, None] * (0.25, 0.75)).ravel().tolist()],
         "unit": unit,
         "label": "distance along the track [m]" if moves else "time [s]",
         "parts": called,
         "worst": worst_wheelset(datasets[0]),
-        "charts": [_chart(key, own, pieces, unit, across.get(key, ())) for key, own in curves.items()],
+        "charts": [_chart(key, members, pieces, unit, across.get(key, ())) for key, members in curves.items()],
     }
-    return _in_units(found)
+    return _in_units(page)
 
 
 def _in_units(charts: dict[str, Any]) -> dict[str, Any]:
@@ -134,9 +134,9 @@ def _chart(
 
 
 def _line(curve: Curve, pieces: Array) -> dict[str, Any]:
-    found = envelope(curve.places, curve.values, pieces)
+    ends = envelope(curve.places, curve.values, pieces)
     apart = interruptions(curve.places, curve.values, curve.jumps, pieces)
-    return curve.look | {"y": _numbers(found)} | ({"breaks": apart} if apart else {})
+    return curve.look | {"y": _numbers(ends)} | ({"breaks": apart} if apart else {})
 
 
 def _numbers(values: Array) -> list[float | None]:
@@ -191,18 +191,18 @@ def envelope(places: Array, values: Array, pieces: Array) -> Array:
     samples, and where a piece holds nothing but not-a-number, there is none."""
     order = np.argsort(places, kind="stable")
     at, of = places[order], values[order]
-    own = np.clip(np.searchsorted(pieces, at, side="right") - 1, 0, pieces.size - 2)
-    starts = np.searchsorted(own, np.arange(pieces.size - 1))
+    piece = np.clip(np.searchsorted(pieces, at, side="right") - 1, 0, pieces.size - 2)
+    starts = np.searchsorted(piece, np.arange(pieces.size - 1))
     counts = np.diff(np.append(starts, at.size))
-    found = np.full((pieces.size - 1, 2), np.nan)
+    ends = np.full((pieces.size - 1, 2), np.nan)
     full = counts > 0
     low, high = (f.reduceat(of, starts[full]) for f in (np.fmin, np.fmax))
     falls = of[starts[full]] > of[starts[full] + counts[full] - 1]
-    found[full] = np.where(falls[:, None], np.stack((high, low), 1), np.stack((low, high), 1))
+    ends[full] = np.where(falls[:, None], np.stack((high, low), 1), np.stack((low, high), 1))
     if not full.all():
         middles = 0.5 * (pieces[:-1] + pieces[1:])[~full]
-        found[~full] = np.interp(middles, at, of, left=np.nan, right=np.nan)[:, None]
-    return found.ravel()
+        ends[~full] = np.interp(middles, at, of, left=np.nan, right=np.nan)[:, None]
+    return ends.ravel()
 
 
 def interruptions(places: Array, values: Array, starts: NDArray[np.intp], pieces: Array) -> list[int]:
@@ -210,13 +210,13 @@ def interruptions(places: Array, values: Array, starts: NDArray[np.intp], pieces
     second of them is one of ``starts``, where contact has jumped elsewhere."""
     known = np.flatnonzero(np.isfinite(values))
     apart = (np.diff(known) > 1) | (np.diff(np.searchsorted(starts, known, side="right")) > 0)
-    own = np.clip(np.searchsorted(pieces, places[known], side="right") - 1, 0, pieces.size - 2)
-    found: set[int] = set()
-    for low, high in np.sort(np.stack((own[:-1], own[1:]), 1)[apart], axis=1).tolist():
+    piece = np.clip(np.searchsorted(pieces, places[known], side="right") - 1, 0, pieces.size - 2)
+    points: set[int] = set()
+    for low, high in np.sort(np.stack((piece[:-1], piece[1:]), 1)[apart], axis=1).tolist():
         if low < high:
-            found |= set(range(2 * low + 1, 2 * high))
-        elif 2 * low in found:  # twice in one piece, whose points are of different lines then
-            found |= {2 * low - 1, 2 * low + 1}
+            points |= set(range(2 * low + 1, 2 * high))
+        elif 2 * low in points:  # twice in one piece, whose points are of different lines then
+            points |= {2 * low - 1, 2 * low + 1}
         else:
-            found.add(2 * low)
-    return sorted(found)
+            points.add(2 * low)
+    return sorted(points)

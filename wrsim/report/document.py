@@ -91,11 +91,11 @@ def is_lone(dataset: xr.Dataset) -> bool:
     return "body" not in dataset.dims and len(wheelsets(dataset)) == 1
 
 
-def paragraph(result: Result, summary: Summary, found: Assessment | None) -> str:
+def paragraph(result: Result, summary: Summary, assessment: Assessment | None) -> str:
     """Vehicle, track, speed, contact and what was asked, in sentences."""
     with_contact = "wheel" in result.dataset.dims or "resolved_with" in result.dataset.attrs
     contact = contact_sentence(result.dataset) if with_contact else ""
-    return " ".join(filter(None, (_motion(result, summary, found), contact, _asked(result))))
+    return " ".join(filter(None, (_motion(result, summary, assessment), contact, _asked(result))))
 
 
 def vehicle_name(dataset: xr.Dataset) -> str:
@@ -106,29 +106,30 @@ def vehicle_name(dataset: xr.Dataset) -> str:
     return Path(str(model)).stem if model else "of the scenario"
 
 
-def _motion(result: Result, summary: Summary, found: Assessment | None) -> str:
+def _motion(result: Result, summary: Summary, assessment: Assessment | None) -> str:
     dataset = result.dataset
     count, name = len(wheelsets(dataset)), vehicle_name(dataset)
     subject = f"Wheelset {name}" if is_lone(dataset) else f"Vehicle {name} ({count} wheelset{'s' * (count != 1)})"
     if "time" not in dataset.dims:
         return f"{subject}: {extent_words(dataset)}."
-    words = f"{subject} with {_loads(found)}" if found else subject
+    words = f"{subject} with {_loads(assessment)}" if assessment else subject
     kmh = 3.6 * float(dataset["speed"].mean()) if "speed" in dataset and dataset["speed"].size else None
     if kmh is None or "distance" not in dataset.coords or kmh < 1e-6:
         return f"{words}: {extent_words(dataset)}."
     length = quantity(float(dataset["distance"].max() - dataset["distance"].min()), "m", ".0f")
     kind = "uneven" if "rail_lateral" in dataset else "smooth"
-    return f"{words} runs at {quantity(kmh, 'km/h', '.3g')} over {length} of {kind} track{_curves(summary, found)}."
+    curves = _curves(summary, assessment)
+    return f"{words} runs at {quantity(kmh, 'km/h', '.3g')} over {length} of {kind} track{curves}."
 
 
-def _loads(found: Assessment) -> str:
-    loads = [v for k, v in found.settings.items() if k.startswith("axle_load") and isinstance(v, float)]
+def _loads(assessment: Assessment) -> str:
+    loads = [v for k, v in assessment.settings.items() if k.startswith("axle_load") and isinstance(v, float)]
     low, high = min(loads), max(loads)
     span = quantity(low, "kN", ".3g") if high < 1.005 * low else f"{low:.3g} to {quantity(high, 'kN', '.3g')}"
     return f"an axle load of {span}"
 
 
-def _curves(summary: Summary, found: Assessment | None) -> str:
+def _curves(summary: Summary, assessment: Assessment | None) -> str:
     """The full curves of a run: radius, hand, cant, and the cant deficiency of their sections."""
     first: Summary = next(iter(summary.get("wheelsets", {}).values()), {})
     words = []
@@ -138,7 +139,7 @@ def _curves(summary: Summary, found: Assessment | None) -> str:
         if cant := abs(curve.get("cant_mm", 0.0)):
             words[-1] += f" with {quantity(cant, 'mm', '.0f')} of cant"
         middle = 0.5 * (curve["from_m"] + curve["to_m"])
-        inside = [s for s in (found.sections if found else ()) if s.start <= middle <= s.end]
+        inside = [s for s in (assessment.sections if assessment else ()) if s.start <= middle <= s.end]
         if inside and abs(missing := 1e3 * inside[0].cant_deficiency) >= 0.5:
             words[-1] += f" ({quantity(abs(missing), 'mm', '.0f')} of cant {'deficiency' if missing > 0 else 'excess'})"
     return f" with {'a full curve' if len(words) == 1 else 'full curves'} of {join_names(words, 3)}" if words else ""
@@ -148,14 +149,14 @@ def contact_sentence(dataset: xr.Dataset, of: str = "") -> str:
     """Contact model, creep forces and friction of a scenario, in a sentence; of: which one it is."""
     if "resolved_with" in dataset.attrs:
         return f"Contacts are solved again with {dataset.attrs['resolved_with']}."
-    own = table_of_scenario(dataset, "contact")
-    if own is None:
+    section = table_of_scenario(dataset, "contact")
+    if section is None:
         return ""
-    normal = own.get("normal", ContactSettings().normal)
-    creep = own.get("tangential", USUAL[normal].tangential if normal in USUAL else "")
+    normal = section.get("normal", ContactSettings().normal)
+    creep = section.get("tangential", USUAL[normal].tangential if normal in USUAL else "")
     words = f"Wheel-rail contact{of}: {USUAL[normal].text if normal in USUAL else normal}"
     if creep in CREEP_LAWS and CREEP_LAWS[creep].text and dataset.attrs.get("analysis") != "conicity":
-        friction = own.get("friction", DRY)
+        friction = section.get("friction", DRY)
         how = f"coefficient of friction {friction:g}" if isinstance(friction, int | float) else "friction by its law"
         words += f"; creep forces by {CREEP_LAWS[creep].text}, {how}"
     return f"{words}."
@@ -168,19 +169,19 @@ def _asked(result: Result) -> str:
     )
 
 
-def basis(dataset: xr.Dataset, found: Assessment) -> str:
+def basis(dataset: xr.Dataset, assessment: Assessment) -> str:
     """What a verdict rests on: smooth or uneven track, the sections of every class of track beside those that the
     standard asks, limits that are to be confirmed."""
     words = [f"simulated on {'uneven' if 'rail_lateral' in dataset else 'smooth'} track"]
-    zones = {s.zone: [o for o in found.sections if o.zone == s.zone] for s in found.sections if s.zone != TRANSITION}
-    for zone, own in zones.items():
-        radii = sorted(abs(s.radius) for s in own)
+    for zone in dict.fromkeys(s.zone for s in assessment.sections if s.zone != TRANSITION):
+        sections = [s for s in assessment.sections if s.zone == zone]
+        radii = sorted(abs(s.radius) for s in sections)
         span = f"{radii[0]:.0f}" if radii[-1] < 1.005 * radii[0] else f"{radii[0]:.0f} to {radii[-1]:.0f}"
         where = "of straight track" if zone == "straight" else f"of R {span} m"
-        needed = found.rules.needed.get(zone)
+        needed = assessment.rules.needed.get(zone)
         of = f"of the {needed}* that the standard asks" if needed else "for which the standard asks no number"
-        words.append(f"{len(own)} section{'s' * (len(own) != 1)} {where} {of}")
-    if any(v.limit is not None and v.limit.mark == "mem" for v in found.values):
+        words.append(f"{len(sections)} section{'s' * (len(sections) != 1)} {where} {of}")
+    if any(v.limit is not None and v.limit.mark == "mem" for v in assessment.values):
         words.append("limits marked * to be confirmed")
     return f"It rests on: {', '.join(words)}."
 

@@ -41,9 +41,9 @@ def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path 
     files of its input; scenario: the file that is run. Raises ``InputError`` before anything is changed there."""
     keeper = Keeper(tuple(reads), force, directory)
     with Manifest(directory).locked(), keeping(keeper):
-        own = (RECORD,) if _is_record(directory, scenario) else ()
+        reused = (RECORD,) if _is_record(directory, scenario) else ()
         sweep(directory)
-        keeper.check_folder(directory, [name for name in OUTPUTS if name not in own])
+        keeper.check_folder(directory, [name for name in OUTPUTS if name not in reused])
         for folder in directory.glob("wheelset_*/"):
             sweep(folder)
             keeper.check_folder(folder, OUTPUTS)

@@ -59,15 +59,15 @@ def _written(directory: Path, contents: Mapping[str, bytes], figures: Makers) ->
     return files + save_all(figures, directory)
 
 
-def write_assessment(found: Assessment, directory: Path, pictures: bool) -> list[Path]:
+def write_assessment(assessment: Assessment, directory: Path, pictures: bool) -> list[Path]:
     """``assessment.json``, ``assessment.csv`` and pictures."""
-    contents = {"assessment.json": assessment_json(found), "assessment.csv": assessment_csv(found)}
-    return _written(directory, contents, assessment_figures(found) if pictures else {})
+    contents = {"assessment.json": assessment_json(assessment), "assessment.csv": assessment_csv(assessment)}
+    return _written(directory, contents, assessment_figures(assessment) if pictures else {})
 
 
-def write_ride(found: Ride, directory: Path, pictures: bool) -> list[Path]:
+def write_ride(ride: Ride, directory: Path, pictures: bool) -> list[Path]:
     """``ride.json``, third-octaves, spectra and pictures."""
-    return _written(directory, found.files(), ride_figures(found) if pictures else {})
+    return _written(directory, ride.files(), ride_figures(ride) if pictures else {})
 
 
 def write_spectra(data: xr.Dataset, directory: Path, pictures: bool) -> list[Path]:
@@ -78,29 +78,29 @@ def write_spectra(data: xr.Dataset, directory: Path, pictures: bool) -> list[Pat
 
 
 def write_comparison(
-    found: Comparison, report: dict[str, Any], directory: Path, pictures: bool, title: str
+    comparison: Comparison, report: dict[str, Any], directory: Path, pictures: bool, title: str
 ) -> list[Path]:
     """``comparison.json``, ``comparison.csv``, the result of every model and pictures."""
     from wrsim.analysis.compare import rows_of_samples
 
-    contents = {"comparison.json": as_json(report), "comparison.csv": as_csv(rows_of_samples(found))}
+    contents = {"comparison.json": as_json(report), "comparison.csv": as_csv(rows_of_samples(comparison))}
     files = _written(directory, contents, {})
-    files += [model.result.save(directory / file_name(model.name) / "result.nc") for model in found.models]
+    files += [model.result.save(directory / file_name(model.name) / "result.nc") for model in comparison.models]
     if not pictures:
         return files
-    models = sorted(found.models, key=lambda model: model is not found.main)
-    figures: dict[str, Any] = {"compare_values": lambda: values_figure(found.values, found.reference, title)}
-    names = wheelsets(found.main.result.dataset)
+    models = sorted(comparison.models, key=lambda model: model is not comparison.main)
+    figures: dict[str, Any] = {"compare_values": lambda: values_figure(comparison.values, comparison.reference, title)}
+    names = wheelsets(comparison.main.result.dataset)
     for name in names:
         each = {model.name: of_wheelset(model.result.dataset, name) for model in models}
-        own, words = (f"_{name}", f"{title}: {name}") if len(names) > 1 else ("", title)
+        suffix, words = (f"_{name}", f"{title}: {name}") if len(names) > 1 else ("", title)
         if all(has_patches(d) for d in each.values()):
-            figures[f"compare_patches{own}"] = partial(patches_figure, each, words)
+            figures[f"compare_patches{suffix}"] = partial(patches_figure, each, words)
     return files + save_all(figures, directory)
 
 
 def write_differences(
-    found: Sequence[Deviation], results: Sequence[Result], names: Sequence[str], folder: Path
+    deviations: Sequence[Deviation], results: Sequence[Result], names: Sequence[str], folder: Path
 ) -> list[Path]:
     """``diff.csv`` and, of runs and poses, ``diff.png``."""
     figures: dict[str, Any] = {}
@@ -108,7 +108,7 @@ def write_differences(
     if has_curves(one) and has_curves(other) and (worst := worst_wheelset(one)) in wheelsets(other):
         pair = [of_wheelset(dataset, worst) for dataset in (one, other)]
         figures["diff"] = lambda: overlay_figure(pair, names)
-    return _written(folder, {"diff.csv": as_csv(as_rows(difference_table(found)))}, figures)
+    return _written(folder, {"diff.csv": as_csv(as_rows(difference_table(deviations)))}, figures)
 
 
 def write_conicity(result: Result, directory: Path, pictures: bool) -> list[Path]:
@@ -117,10 +117,10 @@ def write_conicity(result: Result, directory: Path, pictures: bool) -> list[Path
     return _written(directory, contents, standard_figures(result.dataset) if pictures else {})
 
 
-def write_conicity_map(found: ConicityMap, directory: Path, pictures: bool) -> list[Path]:
+def write_conicity_map(conicity: ConicityMap, directory: Path, pictures: bool) -> list[Path]:
     """``conicity_map.csv`` and ``conicity_map.png``."""
-    figures = {"conicity_map": lambda: conicity_map_figure(found, found.title)} if pictures else {}
-    return _written(directory, {"conicity_map.csv": as_csv(as_rows(found.table()))}, figures)
+    figures = {"conicity_map": lambda: conicity_map_figure(conicity, conicity.title)} if pictures else {}
+    return _written(directory, {"conicity_map.csv": as_csv(as_rows(conicity.table()))}, figures)
 
 
 def write_recording(
@@ -194,15 +194,15 @@ def write_profiles(
 
 def draw_loops(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest], path: Path) -> Path:
     """The loops of a twist test, and of the rotation test of the first bogie."""
-    found: list[tuple[str, str, list[tuple[str, Any, Any]]]] = []
+    diagrams: list[tuple[str, str, list[tuple[str, Any, Any]]]] = []
     if twisted is not None:
         loads = 1e-3 * twisted.wheel_loads
         front = enumerate(vehicle.wheelsets[: (len(vehicle.wheelsets) + 1) // 2])
         lines = [(f"{m.name} {side}", twisted.part, loads[:, i, k]) for i, m in front for k, side in enumerate(WHEELS)]
-        found.append(("part of the full twists", "wheel load Q [kN]", lines))
+        diagrams.append(("part of the full twists", "wheel load Q [kN]", lines))
     if turned:
         first = [test for test in turned if test.bogie == turned[0].bogie]
         rates = [quantity(float(np.degrees(test.rate)), "deg/s", "g") for test in first]
         lines = [(r, np.degrees(t.angle), 1e-3 * t.moment) for r, t in zip(rates, first, strict=True)]
-        found.append((f"angle of {first[0].bogie.frame} [deg]", "moment [kNm]", lines))
-    return save(loops_figure(vehicle.name, found), path)
+        diagrams.append((f"angle of {first[0].bogie.frame} [deg]", "moment [kNm]", lines))
+    return save(loops_figure(vehicle.name, diagrams), path)

@@ -165,14 +165,14 @@ def _ride_part(names: Sequence[str], rides: Sequence[tuple[Ride | None, str]]) -
 @cache
 def _environment() -> jinja2.Environment:
     loader = jinja2.PackageLoader("wrsim.report", "templates")
-    own = jinja2.Environment(
+    environment = jinja2.Environment(
         loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    own.filters["table"] = as_html
-    own.policies["json.dumps_kwargs"] = {"sort_keys": False, "separators": (",", ":"), "allow_nan": False}
-    own.filters["css"] = css_text
-    own.globals |= {"text_of": text_of, "hashes": hashes, "together": together}
-    return own
+    environment.filters["table"] = as_html
+    environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "separators": (",", ":"), "allow_nan": False}
+    environment.filters["css"] = css_text
+    environment.globals |= {"text_of": text_of, "hashes": hashes, "together": together}
+    return environment
 
 
 def page_template(name: str) -> jinja2.Template:
@@ -196,11 +196,11 @@ def last_part(source: str) -> str:
     return source.rstrip("/").removesuffix("/result.nc").rsplit("/", 1)[-1]
 
 
-def _track(dataset: xr.Dataset, found: Assessment | None) -> tuple[str, str] | None:
+def _track(dataset: xr.Dataset, assessment: Assessment | None) -> tuple[str, str] | None:
     """The track of a run as a picture, with words for its sections; None where the run knows no curvature."""
     if "curvature" not in dataset or dataset.sizes.get("time", 0) < 2 or np.ptp(dataset["distance"].values) < 1e-9:
         return None
-    sections = found.sections if found else ()
+    sections = assessment.sections if assessment else ()
     ends = (f"{formatted(s.start, '.0f')} to {quantity(s.end, 'm', '.0f')}" for s in sections)
     words = [f"section {s.number}: {s.label}, {places}" for s, places in zip(sections, ends, strict=True)]
     return as_picture("; ".join(words) or "curvature and cant", track_diagram(dataset, sections))
@@ -232,16 +232,16 @@ def _contacts(dataset: xr.Dataset, result: str) -> list[dict[str, Any]]:
     """Contacts of all wheelsets at some of their snapshots: pictures, numbers, and how many of the moments."""
     if not has_patches(dataset) or not has_outlines(dataset):
         return []
-    found = []
+    wheelset_rows = []
     for name, label in numbered(wheelsets(dataset)).items():
         one = of_wheelset(dataset, name)
         moments, total = choose_moments(one, MOST_MOMENTS), one.sizes[moment_dim(one)]
         galleries = {"wheel on rail": section_gallery, "patches from above": patch_gallery}
-        own: dict[str, Any] = {"numbers": tables.contacts(one, moments), "open": name == worst_wheelset(dataset)}
-        own["name"] = label + (f": {len(moments)} of {total} moments" if len(moments) < total else "")
+        row: dict[str, Any] = {"numbers": tables.contacts(one, moments), "open": name == worst_wheelset(dataset)}
+        row["name"] = label + (f": {len(moments)} of {total} moments" if len(moments) < total else "")
         makers = ((f"{result} {label} {what}".strip(), make) for what, make in galleries.items())
-        found.append(own | {"makers": {words: partial(make, one, moments) for words, make in makers}})
-    return found
+        wheelset_rows.append(row | {"makers": {words: partial(make, one, moments) for words, make in makers}})
+    return wheelset_rows
 
 
 def _vibrations(result: Result, name: str) -> dict[str, Any]:
@@ -250,16 +250,16 @@ def _vibrations(result: Result, name: str) -> dict[str, Any]:
 
     words = {"bent": "rails and axles, magnified", "fast": "fast channels"}
     drawn = {name.rpartition("/")[2]: make for name, make in standard_figures(result.dataset).items()}
-    pictures = [as_picture(own, drawn[name]()) for name, own in words.items() if name in drawn]
+    pictures = [as_picture(part, drawn[name]()) for name, part in words.items() if name in drawn]
     fast = [str(n).removeprefix("fast_") for n in result.dataset.data_vars if str(n).startswith("fast_")]
-    found = [
+    evaluated = [
         tables.evaluated(partial(evaluate_spectra, channel=c, derivative=2 * c.startswith("rail_")), result)
         for c in fast
     ]
-    data = [own for own, _ in found if own is not None]
-    pictures += [as_picture(f"spectra of {own.attrs['channel']}", spectra_figure(own)) for own in data]
-    notes = dict.fromkeys(why for _, why in found if why)
-    return {"tables": [spectra_table(own, name) for own in data], "pictures": pictures, "notes": list(notes)}
+    data = [part for part, _ in evaluated if part is not None]
+    pictures += [as_picture(f"spectra of {part.attrs['channel']}", spectra_figure(part)) for part in data]
+    notes = dict.fromkeys(why for _, why in evaluated if why)
+    return {"tables": [spectra_table(part, name) for part in data], "pictures": pictures, "notes": list(notes)}
 
 
 def _wear(result: Result, name: str) -> dict[str, Any]:

@@ -93,8 +93,8 @@ def _evolution_paragraph(dataset: xr.Dataset) -> str:
     cases = str(about.get("cases_text", "")).strip().count("\n")
     words.append(f"Each of the {steps} steps runs {cases} cases by their shares, then the profile is made anew.")
     words.append(contact_sentence(dataset))
-    own = {"flange_thickness": "mm", "flange_height": "mm", "flange_steepness": "mm", "conicity": ""}
-    for name, unit in own.items():
+    units = {"flange_thickness": "mm", "flange_height": "mm", "flange_steepness": "mm", "conicity": ""}
+    for name, unit in units.items():
         first, last = (float(v) * (1e3 if unit else 1.0) for v in dataset[name].values[[0, -1]])
         form = ".2f" if unit else ".3f"
         ends = f"from {formatted(first, form)} to {quantity(last, unit, form)}"

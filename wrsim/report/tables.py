@@ -59,39 +59,39 @@ def evaluated(evaluate: Callable[[Result], T], result: Result) -> tuple[T | None
         return None, str(problem)
 
 
-def verdict(result: Result, found: Assessment | None, why: str) -> ReportVerdict:
+def verdict(result: Result, assessment: Assessment | None, why: str) -> ReportVerdict:
     """Within all limits or not, with the worst margin and what it rests on; how the analysis ended, if early."""
     stop = f"Stopped early: {result.stop_reason}. " if result.status == "stopped" else ""
-    state, worst = OPEN, found.tightest() if found is not None else None
+    state, worst = OPEN, assessment.tightest() if assessment is not None else None
     if "time" in result.dataset.dims and is_lone(result.dataset):
         words = f"{NO_VERDICT[0].upper()}{NO_VERDICT[1:]}."
-    elif found is None:
+    elif assessment is None:
         words = f"Not assessed: {why}." if "time" in result.dataset.dims else "" if stop else "Completed."
     elif worst is None:
         words = "No limit applies to anything that was assessed."
     else:
-        words = found.verdict.replace("A LIMIT IS EXCEEDED", "a limit is exceeded").replace("every", "Every")
-        state = BAD if not found.passed else OPEN if found.unlimited else GOOD
-        words = f"{words}; {_tightest(worst)}. {basis(result.dataset, found)}"
+        words = assessment.verdict.replace("A LIMIT IS EXCEEDED", "a limit is exceeded").replace("every", "Every")
+        state = BAD if not assessment.passed else OPEN if assessment.unlimited else GOOD
+        words = f"{words}; {_tightest(worst)}. {basis(result.dataset, assessment)}"
     return ReportVerdict(BAD if stop else state, stop + words)
 
 
 def _tightest(row: ZoneValue) -> str:
-    value, own, margin = row.worst, row.worst.quantity, row.margin or 0.0
-    at_most = quantity(value.limit.value * own.shown.factor, own.shown.unit) if value.limit else ""
+    value, judged, margin = row.worst, row.worst.quantity, row.margin or 0.0
+    at_most = quantity(value.limit.value * judged.shown.factor, judged.shown.unit) if value.limit else ""
     number, kind = value.value, ""
     if margin < (value.margin or 0.0) and row.estimate is not None:
         number, kind = row.estimate, ", estimated maximum"
-    of = "of at least" if own.lowest else "of"
-    found = f"{own.symbol} = {quantity(number * own.shown.factor, own.shown.unit)}{kind} {of} {at_most}"
-    place = f"{own.words}; {value.section.label}, {value.where}"
-    return f"worst margin {quantity(100.0 * margin, '%', '.0f')}: {found} ({place})"
+    of = "of at least" if judged.lowest else "of"
+    worst = f"{judged.symbol} = {quantity(number * judged.shown.factor, judged.shown.unit)}{kind} {of} {at_most}"
+    place = f"{judged.words}; {value.section.label}, {value.where}"
+    return f"worst margin {quantity(100.0 * margin, '%', '.0f')}: {worst} ({place})"
 
 
 def identity(results: Sequence[Result], sources: Sequence[str]) -> list[tuple[str, list[str]]]:
     """Rows of the table of who is who: a name, and a text for every result. sources: short names of the results."""
     columns = [{"title": r.title, "result": source} | _identity(r) for r, source in zip(results, sources, strict=True)]
-    rows = [(name, [own[name] for own in columns]) for name in columns[0]]
+    rows = [(name, [column[name] for column in columns]) for name in columns[0]]
     return [(name, values) for name, values in rows if any(values)]
 
 
@@ -107,7 +107,7 @@ def _identity(result: Result) -> dict[str, str]:
 
 def version_rows(results: Sequence[Result], summaries: Sequence[Summary]) -> list[tuple[str, list[str]]]:
     """What computed the results: integration of the runs, versions of the programs."""
-    rows = [("integration", [" ".join(integration(own)) for own in summaries])]
+    rows = [("integration", [" ".join(integration(summary)) for summary in summaries])]
     keys = {k for r in results for k in r.dataset.attrs if k.endswith("_version") and k != "format_version"}
     ordered = sorted(keys, key=lambda k: (not k.startswith("wrsim"), k))
     rows += [(k.removesuffix("_version"), [str(r.dataset.attrs.get(k, "")) for r in results]) for k in ordered]
@@ -117,26 +117,26 @@ def version_rows(results: Sequence[Result], summaries: Sequence[Summary]) -> lis
 def inputs(result: Result) -> list[tuple[str, str]]:
     """Files that the result was computed from, without folders of a machine, each with its SHA-256; none for a
     result of an older wrsim."""
-    found = {
+    digests = {
         Path(name): digest for name, digest in (from_json(str(result.dataset.attrs.get("inputs", ""))) or {}).items()
     }
-    return [(path.name if path.is_absolute() else path.as_posix(), str(digest)) for path, digest in found.items()]
+    return [(path.name if path.is_absolute() else path.as_posix(), str(digest)) for path, digest in digests.items()]
 
 
-def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, Any]], dict[str, str]]:
+def assessment_rows(assessments: Sequence[Assessment | None]) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """Rows by quantity and class of track, with cells of every assessment that has them; sources of limits by letter.
     first: how many rows the quantity has, in the first of them, and 0 in the others."""
     quantities: dict[str, dict[str, dict[str, Any]]] = {}
     letters: dict[str, str] = {}
-    for i, each in enumerate(found):
+    for i, each in enumerate(assessments):
         for row in each.zones if each is not None else ():
             of, zone, limit = row.worst.quantity, row.worst.section.zone, row.worst.limit
             words = {"symbol": of.symbol, "words": of.words, "unit": converted(of.shown).unit, "zone": zone, "first": 0}
-            own = quantities.setdefault(of.key, {}).setdefault(zone, words | {"cells": [None] * len(found)})
+            line = quantities.setdefault(of.key, {}).setdefault(zone, words | {"cells": [None] * len(assessments)})
             letter = letters.setdefault(limit.source, snapshot_letter(len(letters))) if limit is not None else ""
             cells = row.cells() | ({"verdict": ""} if each is not None and each.lone else {})
             marks = {"letter": letter, "star": limit.star if limit is not None else ""}
-            own["cells"][i] = {**cells, **marks, "passed": row.passed if cells["verdict"] else None}
+            line["cells"][i] = {**cells, **marks, "passed": row.passed if cells["verdict"] else None}
     for zones in quantities.values():
         next(iter(zones.values()))["first"] = len(zones)
     rows = [row for zones in quantities.values() for row in zones.values()]
@@ -150,13 +150,13 @@ CHART_LIMITS = {
 """Quantities whose limits are drawn across histories, the channel of each, and what the limit is called."""
 
 
-def chart_limits(found: Sequence[Assessment | None]) -> dict[str, list[dict[str, Any]]]:
+def chart_limits(assessments: Sequence[Assessment | None]) -> dict[str, list[dict[str, Any]]]:
     """Limits to draw across histories, over the sections in which they hold [m]; those of the track shifting force both
     ways. Of limits that lie as near each other as those of wheelsets of nearly one load, the least."""
     drawn: dict[str, list[dict[str, Any]]] = {}
     for key, (channel, words) in CHART_LIMITS.items():
         apart: dict[float, dict[float, float]] = {}
-        values = [v for each in found if each is not None for v in each.of(key) if v.limit is not None]
+        values = [v for each in assessments if each is not None for v in each.of(key) if v.limit is not None]
         pairs = [(round(v.limit.value * v.quantity.shown.factor, 3), v.section) for v in values if v.limit is not None]
         for limit, section in sorted(pairs, key=lambda pair: pair[0]):
             last = max(apart, default=0.0)
@@ -171,22 +171,22 @@ def chart_limits(found: Sequence[Assessment | None]) -> dict[str, list[dict[str,
 def cards(summaries: Sequence[Summary], names: Sequence[str]) -> list[tuple[str, list[Table]]]:
     """For every wheelset a card: its name, tables of its peaks."""
     of = [summary.get("wheelsets", {}) for summary in summaries]
-    sets = list(dict.fromkeys(name for own in of for name in own))
+    sets = list(dict.fromkeys(name for peaks in of for name in peaks))
     words = numbered(sets) if len(set(map(tuple, of))) == 1 else dict(zip(sets, sets, strict=True))
-    return [(words[name], wheelset_tables([own.get(name) for own in of], names)) for name in sets]
+    return [(words[name], wheelset_tables([peaks.get(name) for peaks in of], names)) for name in sets]
 
 
 def curves(summaries: Sequence[Summary], names: Sequence[str]) -> list[Table]:
     """Medians in full curves, of every result; of several results curve by curve."""
     sets = [summary.get("wheelsets", {}) for summary in summaries]
-    tables = [curve_tables(list(numbered(tuple(own)).values()), list(own.values()), MOST_CURVES) for own in sets]
-    named = [_named([own], [name]) for own, name in zip(tables, names, strict=True)]
+    tables = [curve_tables(list(numbered(tuple(peaks)).values()), list(peaks.values()), MOST_CURVES) for peaks in sets]
+    named = [_named([peaks], [name]) for peaks, name in zip(tables, names, strict=True)]
     return [table for of_curve in zip_longest(*named) for table in of_curve if table is not None]
 
 
 def apart(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
     """What the later results were asked otherwise than the first, and the numbers that differ most, in percent."""
-    found = []
+    tables = []
     for name, other in zip(names[1:], results[1:], strict=True):
         letters = names[0][0], name[0]
         asked = inputs_apart(results[0], other, letters)
@@ -201,20 +201,20 @@ def apart(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
         if len(off) > LISTED:
             part = 100.0 * SIGNIFICANT_CHANGE
             asked.append(f"the largest {LISTED} of {len(off)} differences of more than {part:g} %")
-        found.append(difference_table(off[:LISTED], letters, f"{letters[1]} against {letters[0]}", asked))
-    return found
+        tables.append(difference_table(off[:LISTED], letters, f"{letters[1]} against {letters[0]}", asked))
+    return tables
 
 
 def numbers(results: Sequence[Result], summaries: Sequence[Summary], names: Sequence[str]) -> list[Table]:
     """The tables of results without wheelsets (stability, steady, conicity)."""
     if any("wheelsets" in summary for summary in summaries):
         return []
-    return _named([numbers_of(r.dataset, own) for r, own in zip(results, summaries, strict=True)], names)
+    return _named([numbers_of(r.dataset, of_result) for r, of_result in zip(results, summaries, strict=True)], names)
 
 
 def _named(tables: Sequence[Sequence[Table]], names: Sequence[str]) -> list[Table]:
     """The tables of all results, with the names of these in their titles where there are several."""
-    pairs = [(name, table) for name, own in zip(names, tables, strict=True) for table in own]
+    pairs = [(name, table) for name, of_result in zip(names, tables, strict=True) for table in of_result]
     return [replace(table, title=f"{name}: {table.title}" if name else table.title) for name, table in pairs]
 
 
@@ -238,12 +238,12 @@ def event_table(results: Sequence[Result], summaries: Sequence[Summary], names: 
     """What happened on the way, and where a run stopped."""
     rows: list[tuple[str, ...]] = []
     for result, summary, name in zip(results, summaries, names, strict=True):
-        found = [(e["distance_m"], e["time_s"], e["event"]) for e in summary.get("events", ())]
+        happened = [(e["distance_m"], e["time_s"], e["event"]) for e in summary.get("events", ())]
         if result.status == "stopped" and "stop_distance_m" in result.dataset.attrs:
             s, t = (float(result.dataset.attrs[f"stop_{key}"]) for key in ("distance_m", "time_s"))
-            found.append((s, t, f"stopped: {result.stop_reason}"))
+            happened.append((s, t, f"stopped: {result.stop_reason}"))
         who = (name,) if len(names) > 1 else ()
-        rows += [(quantity(s, "m", ".1f"), quantity(t, "s", ".3f"), words, *who) for s, t, words in found]
+        rows += [(quantity(s, "m", ".1f"), quantity(t, "s", ".3f"), words, *who) for s, t, words in happened]
     heads = ("place", "time", "what happened", *(("result",) if len(names) > 1 else ()))
     return Table("", tuple(map(Column, heads)), rows) if rows else None
 
@@ -262,14 +262,14 @@ FATIGUE = {
 
 def wear_tables(dataset: xr.Dataset) -> list[Table]:
     """What wheels lose by every law, what rails lose, fatigue of the rails."""
-    found, called = summarise_wear(dataset), numbered(wheelsets(dataset))
+    wear, called = summarise_wear(dataset), numbered(wheelsets(dataset))
     parts: list[tuple[str, str, dict[str, Column], dict[str, Any]]] = []
-    for law, of in found["laws"].items():
-        wheels = {f"{called[name]}, {w}": own for name, pair in of["wheelsets"].items() for w, own in pair.items()}
+    for law, of in wear["laws"].items():
+        wheels = {f"{called[name]}, {w}": row for name, pair in of["wheelsets"].items() for w, row in pair.items()}
         parts.append((f"Wheels, {LAW_WORDS[law]}", "wheel", WORN_WHEELS, wheels))
         parts.append((f"Rails, {LAW_WORDS[law]}", "rail", WORN_RAILS, of["rails"]))
-    parts.append(("Fatigue of the rails", "rail", FATIGUE, found["fatigue"]))
+    parts.append(("Fatigue of the rails", "rail", FATIGUE, wear["fatigue"]))
     return [
-        Table(title, (Column(what), *heads.values()), [(n, *(own[key] for key in heads)) for n, own in rows.items()])
+        Table(title, (Column(what), *heads.values()), [(n, *(row[key] for key in heads)) for n, row in rows.items()])
         for title, what, heads, rows in parts
     ]

@@ -143,7 +143,7 @@ def _run(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]) 
         rate, dt = dataset["spin_rate"].values, np.diff(dataset["time"].values)
         spin[1:] = np.cumsum(0.5 * (rate[1:] + rate[:-1]) * dt[:, None], axis=0)
     columns = {"time": dataset["time"].values, "distance": distance, "place": place}
-    run: dict[str, Any] = {"wheelsets": list(names)} | {n: packed(own[keep], "f8") for n, own in columns.items()}
+    run: dict[str, Any] = {"wheelsets": list(names)} | {n: packed(column[keep], "f8") for n, column in columns.items()}
     run["spin"] = packed(spin[keep] % (2.0 * np.pi), "f4")
     track = _track(dataset, place, setup.track.cant_base) if setup is not None else None
     run |= {"channels": {}, "track": track, "events": _events(dataset)}
@@ -154,10 +154,10 @@ def _run(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]) 
             channels[f"{name}_{k}" if k else name] = of_patch
     channels |= {name: (dataset[name], CHANNELS[name], "") for name in OF_BODIES if name in dataset}
     for name, (data, channel, which) in channels.items():
-        own = channel.shown
-        about = {"unit": own.unit, "factor": own.factor, "words": channel.long_name + which}
+        column = channel.shown
+        about = {"unit": column.unit, "factor": column.factor, "words": channel.long_name + which}
         dims = [d for d in data.dims if d != "time"]
-        run["channels"][name] = packed(data.values[keep] * own.factor, "f4") | about | {"dims": dims}
+        run["channels"][name] = packed(data.values[keep] * column.factor, "f4") | about | {"dims": dims}
     if "body" in dataset.dims:
         run["bodies"] = [str(b) for b in dataset["body"].values]
     if "suspension" in dataset.dims:
@@ -173,30 +173,30 @@ def _run(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]) 
 def _bent(dataset: xr.Dataset, keep: NDArray[np.intp], events: list[dict[str, Any]]) -> dict[str, Any]:
     """Rails and axles as they are bent, and the sample for that, which becomes an event."""
     names, at = wheelsets(dataset), float(dataset.attrs["bent_at_m"])
-    own = names.index(str(dataset.attrs["bent_by"]).rpartition(" ")[0])
-    sample = int(np.argmin(np.abs(dataset["wheelset_distance"].values[keep, own] - at)))
+    wheelset = names.index(str(dataset.attrs["bent_by"]).rpartition(" ")[0])
+    sample = int(np.argmin(np.abs(dataset["wheelset_distance"].values[keep, wheelset] - at)))
     words = "the largest vertical force, with bent rails and axles"
     events.append({"s": float(dataset["distance"].values[keep[sample]]), "words": words})
-    found: dict[str, Any] = {"sample": sample, "wheelsets": list(names)}
+    shapes: dict[str, Any] = {"sample": sample, "wheelsets": list(names)}
     if "bent_rail" in dataset:
-        found |= {
+        shapes |= {
             "place": packed(dataset["bent_place"].values, "f8"),
             "rail": packed(dataset["bent_rail"].values.T, "f4"),
         }
     if "bent_axle_y" in dataset:
         axles = np.stack([dataset[f"bent_axle_{axis}"].values for axis in "yxz"], axis=1)
-        found["axles"] = packed(axles, "f4")
-    return found
+        shapes["axles"] = packed(axles, "f4")
+    return shapes
 
 
 def _events(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = [{"s": s, "words": words} for _, s, words in events(dataset)]
+    marks: list[dict[str, Any]] = [{"s": s, "words": words} for _, s, words in events(dataset)]
     if "snapshot_label" in dataset:
         places = zip(dataset["snapshot_distance"].values, dataset["snapshot_label"].values, strict=True)
-        found += [{"s": float(s), "words": f"snapshot: {words}"} for s, words in places]
+        marks += [{"s": float(s), "words": f"snapshot: {words}"} for s, words in places]
     if "stop_distance_m" in dataset.attrs:
-        found.append({"s": float(dataset.attrs["stop_distance_m"]), "words": "the stop"})
-    return sorted((e for e in found if np.isfinite(e["s"])), key=lambda e: e["s"])
+        marks.append({"s": float(dataset.attrs["stop_distance_m"]), "words": "the stop"})
+    return sorted((e for e in marks if np.isfinite(e["s"])), key=lambda e: e["s"])
 
 
 def _track(dataset: xr.Dataset, place: Array, cant_base: float) -> dict[str, Any] | None:
@@ -232,10 +232,10 @@ def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
     vehicle = setup.vehicle
     wheels = []
     for mounted in vehicle.wheelsets:
-        own = mounted.wheelset
-        shapes = ((wheel.radius, *_shape(wheel.profile, 400, 0.3)) for wheel in (own.left, own.right))
+        wheelset = mounted.wheelset
+        shapes = ((wheel.radius, *_shape(wheel.profile, 400, 0.3)) for wheel in (wheelset.left, wheelset.right))
         sides = [{"radius": radius, "u": _short(u), "r": _short(radius - w)} for radius, u, w in shapes]
-        place = {"x": mounted.x, "height": mounted.height, "spacing": own.profile_spacing}
+        place = {"x": mounted.x, "height": mounted.height, "spacing": wheelset.profile_spacing}
         wheels.append({"name": mounted.name, **place, "sides": sides})
     elements = [
         {"name": e.name, "kind": e.kind, "first": e.first, "second": e.second, "ends": [list(p) for p in e.points]}
@@ -271,7 +271,7 @@ def _modes(result: Result, setup: Setup[Any]) -> dict[str, Any]:
     critical = float(dataset.attrs.get("critical_speed_m_s", np.nan))
     chosen = np.unique(np.linspace(0, speeds.size - 1, min(4, speeds.size)).astype(int)).tolist()
     drawn = {float(speeds[i]) for i in chosen} | ({critical} if np.isfinite(critical) else set())
-    found = []
+    speed_rows = []
     for modes, names in mode_shapes(setup, sorted(drawn)):
         rows = []
         for value, shape, name in zip(modes.values, modes.shapes, names, strict=True):
@@ -281,9 +281,9 @@ def _modes(result: Result, setup: Setup[Any]) -> dict[str, Any]:
                 for key, part in (("real", shape.real), ("imag", shape.imag))
             }
             rows.append({"name": name, **numbers, **parts})
-        found.append({"speed": modes.speed * 3.6, "critical": bool(modes.speed == critical), "modes": rows})
+        speed_rows.append({"speed": modes.speed * 3.6, "critical": bool(modes.speed == critical), "modes": rows})
     bodies = [*(m.name for m in setup.vehicle.wheelsets), *(b.name for b in setup.vehicle.bodies)]
-    return {"speeds": found, "bodies": bodies}
+    return {"speeds": speed_rows, "bodies": bodies}
 
 
 def _sections(dense: xr.Dataset) -> dict[str, Any]:
@@ -293,15 +293,15 @@ def _sections(dense: xr.Dataset) -> dict[str, Any]:
     sides = [str(w) for w in dense["wheel"].values]
     names = wheelsets(dense)
     most = float(np.nanmax(dense["strip_p"].values, initial=0.0)) * 1e-6 or 1.0
-    found: dict[str, Any] = {"wheelsets": list(names), "wheels": sides, "most": most, "of": []}
+    sections: dict[str, Any] = {"wheelsets": list(names), "wheels": sides, "most": most, "of": []}
     if dim == "snapshot":
-        found["at"] = [round(s, 4) for s in dense["snapshot_distance"].values.tolist()]
-        found["time"] = [round(t, 6) for t in dense["snapshot_time"].values.tolist()]
+        sections["at"] = [round(s, 4) for s in dense["snapshot_distance"].values.tolist()]
+        sections["time"] = [round(t, 6) for t in dense["snapshot_time"].values.tolist()]
     else:
-        found["poses"] = [str(p) for p in dense["pose"].values]
+        sections["poses"] = [str(p) for p in dense["pose"].values]
     for name, one in ((name, of_wheelset(dense, name)) for name in names):
-        found["of"] += [{"wheelset": name, "wheel": side, **_wheel(one, side, count, most)} for side in sides]
-    return found
+        sections["of"] += [{"wheelset": name, "wheel": side, **_wheel(one, side, count, most)} for side in sides]
+    return sections
 
 
 def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any]:
@@ -327,8 +327,8 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
                 force = strips["strip_N"].values
                 mean = mean_contact_angle(strips["strip_angle"].values, force)
                 numbers.append((float(force.sum()) * 1e-3, float(np.degrees(mean)), float(p.max())))
-    found = {"wear": worn_outlines(mine, on_wheel, on_rail)} if worn else {}
-    return found | {
+    wear = {"wear": worn_outlines(mine, on_wheel, on_rail)} if worn else {}
+    return wear | {
         "rail": packed_steps(rail, 0.005),
         "outline": packed_steps(outline, 0.005),
         "missing": [int(m) for m in range(count) if m not in set(finite.tolist())],
@@ -361,8 +361,8 @@ def _nearest(known: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     """For each of so many numbers the nearest of those that are known, which rise."""
     at = np.clip(np.searchsorted(known, np.arange(count)), 1, max(known.size - 1, 1))
     low, high = known[at - 1], known[np.minimum(at, known.size - 1)]
-    own = np.arange(count)
-    return np.where(own - low <= high - own, low, high)
+    index = np.arange(count)
+    return np.where(index - low <= high - index, low, high)
 
 
 def drawn_depth(mine: xr.Dataset, body: str, share: Array) -> Array:
@@ -378,13 +378,13 @@ def worn_outlines(mine: xr.Dataset, on_wheel: Array, on_rail: Array) -> dict[str
     """For the viewer: depths by the first law at points of the outlines of one wheel and its rail, and words for them.
     on_wheel, on_rail: the points, as shares of the profiles' lengths; depths as hundredths of the largest."""
     law, words = str(mine["wear_law"].values[0]), []
-    found: dict[str, Any] = {}
+    depths: dict[str, Any] = {}
     for body, points in (("wheel", on_wheel), ("rail", on_rail)):
-        found[body] = np.rint(100.0 * drawn_depth(mine, body, points)).astype(int).tolist()
+        depths[body] = np.rint(100.0 * drawn_depth(mine, body, points)).astype(int).tolist()
         channel = CHANNELS[f"wear_{body}_depth"]
         most = float(mine.isel(wear_law=0)[channel.name].max())
         words.append(f"{body} to {quantity(most * channel.shown.factor, channel.shown.symbol, '.3g')}")
-    return found | {"words": f"wear, {LAW_WORDS[law]}: {', '.join(words)} a passage"}
+    return depths | {"words": f"wear, {LAW_WORDS[law]}: {', '.join(words)} a passage"}
 
 
 def needed(x: Array, y: Array, off: float) -> NDArray[np.intp]:

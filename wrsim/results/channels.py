@@ -100,7 +100,7 @@ class Channel:
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Of the variable of a dataset."""
+        """Attributes of the variable of a dataset."""
         return {"units": self.unit, "long_name": self.long_name}
 
     def fast(self) -> Channel:
@@ -120,9 +120,9 @@ def table(room: str, path: str) -> Iterator[dict[str, Any]]:
 
 
 def _channel(row: dict[str, Any]) -> Channel:
-    own = {"dims": tuple(row["dims"].split()), "shown": SHOWN[row["shown"]], "kind": row["kind"] or "number"}
+    shape = {"dims": tuple(row["dims"].split()), "shown": SHOWN[row["shown"]], "kind": row["kind"] or "number"}
     texts = {name: row[name] or "" for name in ("together", "note", "terms")}
-    return Channel(**row | own | texts | {"coordinate": row["coordinate"] == "yes"})
+    return Channel(**row | shape | texts | {"coordinate": row["coordinate"] == "yes"})
 
 
 WHEELSET, BOGIE_FRAME, CAR_BODY = "wheelset", "bogie frame", "car body"

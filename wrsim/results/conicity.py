@@ -27,10 +27,10 @@ CONTACT_DISTANCE = 1.5  # 2 e, between the contact points of both wheels by EN 1
 
 def summarise_conicity(dataset: xr.Dataset) -> dict[str, Any]:
     """That of the poses, and the equivalent conicity of the wheelset."""
-    found = summarise_contacts(dataset)
-    for name, own in found["wheelsets"].items():
-        own |= conicity_summary(of_wheelset(dataset, name))
-    return found
+    summary = summarise_contacts(dataset)
+    for name, wheelset in summary["wheelsets"].items():
+        wheelset |= conicity_summary(of_wheelset(dataset, name))
+    return summary
 
 
 def csv_of_conicity(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
@@ -59,31 +59,31 @@ def conicity_summary(dataset: xr.Dataset) -> dict[str, Any]:
 def conicity_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
     """Every half millimetre: conicity and wavelength over amplitude, and what lies at that shift; radial steering."""
     dataset = of_wheelset(dataset)
-    found = conicity_summary(dataset)
+    facts = conicity_summary(dataset)
     shift, amplitudes = 1e3 * dataset["lateral_shift"].values, 1e3 * dataset["amplitude"].values
     order, angles = np.argsort(shift), np.degrees(dataset["contact_angle"].values[..., 0]).T
     at_shift = (1e3 * dataset["rolling_radius_difference"].values, *angles)
     over_amplitude = (dataset[name].values for name in ("equivalent_conicity", "conicity_wavelength"))
-    columns = (amplitudes, *over_amplitude, *(np.interp(amplitudes, shift[order], own[order]) for own in at_shift))
+    columns = (amplitudes, *over_amplitude, *(np.interp(amplitudes, shift[order], row[order]) for row in at_shift))
     half = np.abs(2.0 * amplitudes - np.round(2.0 * amplitudes)) < 1e-6
     rows = np.column_stack(columns)[half].tolist()
     heads = (
         Column("y", "mm", ".1f"), Column("tan γe", "", ".3f"), Column("wavelength", "m", ".2f"),
         Column("Δr", "mm", ".3f"), Column("angle left", "°", ".2f"), Column("angle right", "°", ".2f"),
     )  # fmt: skip
-    place = quantity(found["equilibrium_shift_mm"], "mm", ".3f")
+    place = quantity(facts["equilibrium_shift_mm"], "mm", ".3f")
     notes = [f"amplitudes are counted from the equilibrium at y = {place}; Δr and angles at y itself"]
-    if found["nonlinearity_per_mm"] is not None:
-        notes.append(f"nonlinearity parameter {quantity(found['nonlinearity_per_mm'], 'per mm', '.4f')}")
+    if facts["nonlinearity_per_mm"] is not None:
+        notes.append(f"nonlinearity parameter {quantity(facts['nonlinearity_per_mm'], 'per mm', '.4f')}")
     tables = [Table(str(dataset.attrs["title"]), heads, rows, tuple(notes))]
-    if "radial_steering" not in found:
+    if "radial_steering" not in facts:
         return tables
     keys = {
         "curve_radius_m": Column("R", "m"), "needed_mm": Column("needed Δr", "mm"),
         "available_mm": Column("available", "mm"), "q_E": Column("q_E"), "shift_mm": Column("at y", "mm"),
     }  # fmt: skip
-    rows = [tuple(curve[key] for key in keys) for curve in found["radial_steering"]]
-    smallest, angle = found["smallest_radial_curve_m"], formatted(found["flange_from_deg"], "g")
+    rows = [tuple(curve[key] for key in keys) for curve in facts["radial_steering"]]
+    smallest, angle = facts["smallest_radial_curve_m"], formatted(facts["flange_from_deg"], "g")
     words = "nothing steers" if smallest is None else f"up to 1 from R {quantity(smallest, 'm', '.0f')}"
     note = f"q_E {words}; available: before the outer wheel's contact angle is {angle}°"
     return [*tables, Table("radial steering index [mem]", tuple(keys.values()), rows, (note,))]

@@ -34,8 +34,8 @@ STATUSES = ("completed", "stopped")
 @cache
 def versions() -> dict[str, str]:
     """Versions of what shapes the numbers, as attributes: ``wrsim_version``, ``numpy_version``, ..."""
-    found = {"wrsim_version": __version__, "python_version": platform.python_version()}
-    return found | {f"{package}_version": version(package) for package in ("numpy", "numba", "exudyn", "scipy")}
+    programs = {"wrsim_version": __version__, "python_version": platform.python_version()}
+    return programs | {f"{package}_version": version(package) for package in ("numpy", "numba", "exudyn", "scipy")}
 
 
 def assemble(
@@ -72,16 +72,16 @@ def assemble(
     if isinstance(coords.get("wheelset", SINGLE), str):
         arrays = _of_single_wheelset(arrays)
     labels: dict[str, ArrayLike] = {sample: coords[sample], "wheel": WHEELS, "wheelset": SINGLE, **coords}
-    found = {name: np.atleast_1d(typed(name, values, copy=True)) for name, values in labels.items()}
-    found |= {name: typed(name, values, copy) for name, values in arrays.items()}
+    columns = {name: np.atleast_1d(typed(name, values, copy=True)) for name, values in labels.items()}
+    columns |= {name: typed(name, values, copy) for name, values in arrays.items()}
     sizes: dict[str, int] = {}
-    for name, values in found.items():
+    for name, values in columns.items():
         for dim, size in zip(CHANNELS[name].dims_in(sample), values.shape, strict=False):
             sizes.setdefault(dim, size)
-    found |= {name: np.arange(sizes[name]) for name in ("patch", "snapshot") if name in sizes}
-    variables = {name: _variable(CHANNELS[name], sample, found[name], sizes) for name in CHANNELS if name in found}
-    coordinates = {name: own for name, own in variables.items() if CHANNELS[name].coordinate}
-    ordered = {name: own for name, own in variables.items() if name not in coordinates}
+    columns |= {name: np.arange(sizes[name]) for name in ("patch", "snapshot") if name in sizes}
+    variables = {name: _variable(CHANNELS[name], sample, columns[name], sizes) for name in CHANNELS if name in columns}
+    coordinates = {name: variable for name, variable in variables.items() if CHANNELS[name].coordinate}
+    ordered = {name: variable for name, variable in variables.items() if name not in coordinates}
     dataset = xr.Dataset(ordered, coordinates, _attributes(attributes, sample))
     for fault in _faults_of_layout(dataset):
         raise ValueError(f"the dataset {fault}")
@@ -129,10 +129,10 @@ def with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike = WHEELS) 
     both = tuple(np.atleast_1d(wheels)) == WHEELS and np.ndim(arrays.get("Y", 0.0)) > 1
     for force in given("sum_Y", "Y") if both else ():
         arrays["sum_Y"] = force[..., 0] - force[..., -1]
-    if own := given("Y_over_Q", "Y", "Q"):
-        arrays["Y_over_Q"] = np.divide(own[0], own[1], out=np.full(own[0].shape, np.nan), where=own[1] > 0.0)
-    if own := given("contact_angle_variation", "contact_angle_min", "contact_angle_max"):
-        arrays["contact_angle_variation"] = own[1] - own[0]
+    if parts := given("Y_over_Q", "Y", "Q"):
+        arrays["Y_over_Q"] = np.divide(parts[0], parts[1], out=np.full(parts[0].shape, np.nan), where=parts[1] > 0.0)
+    if parts := given("contact_angle_variation", "contact_angle_min", "contact_angle_max"):
+        arrays["contact_angle_variation"] = parts[1] - parts[0]
     return arrays
 
 
@@ -158,10 +158,10 @@ def _attributes(given: Mapping[str, str | float | int], sample: str) -> dict[str
 def table_of_scenario(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
     """One table of the scenario that a result carries; empty where it has none, None where it cannot be read."""
     try:
-        found = parse_toml(str(dataset.attrs.get("scenario_text", "")), "scenario").get(name, {})
+        table = parse_toml(str(dataset.attrs.get("scenario_text", "")), "scenario").get(name, {})
     except InputError:
         return None
-    return found if isinstance(found, dict) else None
+    return table if isinstance(table, dict) else None
 
 
 _TYPES = {"number": ("f", "float64"), "count": ("i", "int64"), "text": ("UOT", "text")}
@@ -230,12 +230,12 @@ def faults_of_variable(dataset: xr.Dataset, name: str, dims: Sequence[Hashable],
     if name not in dataset.variables:
         yield f"has no {name}"
         return
-    own = dataset.variables[name]
+    variable = dataset.variables[name]
     letters, words = _TYPES[kind]
-    if own.dims != tuple(dims):
-        there, wanted = (", ".join(map(str, names)) for names in (own.dims, dims))
+    if variable.dims != tuple(dims):
+        there, wanted = (", ".join(map(str, names)) for names in (variable.dims, dims))
         yield f"its {name} is laid out along ({there}), must be along ({wanted})"
-    if own.dtype.kind not in letters or (kind != "text" and own.dtype.itemsize != 8):
-        yield f"its {name} holds {own.dtype}, must be {words}"
-    if not isinstance(own.attrs.get("units", ""), str):
+    if variable.dtype.kind not in letters or (kind != "text" and variable.dtype.itemsize != 8):
+        yield f"its {name} holds {variable.dtype}, must be {words}"
+    if not isinstance(variable.attrs.get("units", ""), str):
         yield f"its {name} has units that are no text"

@@ -50,23 +50,25 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
     keys = list(dict.fromkeys((*one, *other)))
     names = list(dict.fromkeys(name for _, name in keys))
     chosen = set() if only else set(names)
-    for own in only:
-        found_names = {name for name in names if name == own or name.startswith(f"{own}_")}
+    for asked in only:
+        found_names = {name for name in names if name == asked or name.startswith(f"{asked}_")}
         if not found_names:
-            raise InputError(f"--only {own}: neither result has it{suggest(own, names)}; there is {', '.join(names)}")
+            raise InputError(
+                f"--only {asked}: neither result has it{suggest(asked, names)}; there is {', '.join(names)}"
+            )
         chosen |= found_names
     keys = [key for key in keys if key[1] in chosen]
     scales: dict[str, float] = {}
     for key in keys:
         numbers = (abs(values.get(key) or 0.0) for values in (one, other))
         scales[_scale(key)] = max(scales.get(_scale(key), SMALLEST), *numbers)
-    found = []
+    diffs = []
     for key in keys:
         a, b = one.get(key), other.get(key)
         off = (0.0 if a is b else math.inf) if a is None or b is None else b - a
         scale = scales[_scale(key)]
-        found.append(Deviation(*key, a, b, off, abs(off) / scale, percent(a, b, tolerance * scale)))
-    return sorted(found, key=lambda d: -d.relative)
+        diffs.append(Deviation(*key, a, b, off, abs(off) / scale, percent(a, b, tolerance * scale)))
+    return sorted(diffs, key=lambda d: -d.relative)
 
 
 def _scale(key: tuple[str, str]) -> str:
@@ -84,15 +86,15 @@ def inputs_apart(one: Result, other: Result, letters: Sequence[str] = "AB") -> l
     first, second = ({key: value for key, value in leaves(tree, lists=False) if value != {}} for tree in trees)
     keys = [key for key in dict.fromkeys((*first, *second)) if first.get(key) != second.get(key) and key != "title"]
     a, b, none = *letters, "not given"
-    found = [f"{key}: {first.get(key, none)} in {a}, {second.get(key, none)} in {b}" for key in keys]
+    changed = [f"{key}: {first.get(key, none)} in {a}, {second.get(key, none)} in {b}" for key in keys]
     names = [wheelsets(result.dataset) for result in (one, other)]
     if names[0] != names[1]:
-        found.append(f"wheelsets are matched from the front: {', '.join(names[0])} and {', '.join(names[1])}")
-    return [*found[:LISTED], *([f"... and {len(found) - LISTED} more keys"] if len(found) > LISTED else [])]
+        changed.append(f"wheelsets are matched from the front: {', '.join(names[0])} and {', '.join(names[1])}")
+    return [*changed[:LISTED], *([f"... and {len(changed) - LISTED} more keys"] if len(changed) > LISTED else [])]
 
 
 def difference_table(
-    found: Sequence[Deviation], letters: Sequence[str] = "AB", title: str = "", notes: Sequence[str] = ()
+    diffs: Sequence[Deviation], letters: Sequence[str] = "AB", title: str = "", notes: Sequence[str] = ()
 ) -> Table:
     """A row a number; differences without one of the numbers are missing."""
     one, other = letters
@@ -102,21 +104,21 @@ def difference_table(
         Column(f"{other} - {one}", "", ".4g", "difference"), Column("change", "%", ".3g", "change_percent"),
         Column("part of largest", "", ".2g", "relative"),
     )  # fmt: skip
-    rows = [(d.place, d.quantity, d.first, d.second, finite(d.absolute), d.change, finite(d.relative)) for d in found]
+    rows = [(d.place, d.quantity, d.first, d.second, finite(d.absolute), d.change, finite(d.relative)) for d in diffs]
     return Table(title, heads, rows, tuple(notes))
 
 
-def beyond(found: Sequence[Deviation], tolerance: float) -> list[Deviation]:
+def beyond(diffs: Sequence[Deviation], tolerance: float) -> list[Deviation]:
     """Differences above a part of the largest value."""
-    return [d for d in found if d.relative > tolerance]
+    return [d for d in diffs if d.relative > tolerance]
 
 
-def one_sided(found: Sequence[Deviation], letters: Sequence[str] = "AB") -> tuple[list[Deviation], list[str]]:
+def one_sided(diffs: Sequence[Deviation], letters: Sequence[str] = "AB") -> tuple[list[Deviation], list[str]]:
     """The differences of what both results have, and in a sentence each what only one of them has."""
-    both = [d for d in found if math.isfinite(d.absolute)]
+    both = [d for d in diffs if math.isfinite(d.absolute)]
     words = []
     for letter, other in zip(letters, ("second", "first"), strict=True):
-        alone = [d for d in found if not math.isfinite(d.absolute) and getattr(d, other) is None]
+        alone = [d for d in diffs if not math.isfinite(d.absolute) and getattr(d, other) is None]
         places = join_names(list(dict.fromkeys(d.place or d.quantity for d in alone)), MOST_PLACES)
         words += [f"only in {letter}, {len(alone)} numbers: {places}"] if alone else []
     return both, words
@@ -130,15 +132,15 @@ def other_ends(one: Result, other: Result) -> list[str]:
 
 
 def compared_tables(
-    found: Sequence[Deviation], ends: Sequence[str], tolerance: float, names: Sequence[str], apart: Sequence[str] = ()
+    diffs: Sequence[Deviation], ends: Sequence[str], tolerance: float, names: Sequence[str], apart: Sequence[str] = ()
 ) -> list[Table]:
     """What is beyond the tolerance, or the largest differences where nothing is; the verdict."""
-    wrong, most = beyond(found, tolerance), quantity(100.0 * tolerance, "%", "g")
-    both, alone = one_sided(wrong or [d for d in found if d.relative > 0.0])
+    wrong, most = beyond(diffs, tolerance), quantity(100.0 * tolerance, "%", "g")
+    both, alone = one_sided(wrong or [d for d in diffs if d.relative > 0.0])
     more = [f"... and {len(both) - LISTED} more; --json lists all"] if wrong and len(both) > LISTED else []
-    verdict = f"alike: {len(found)} numbers, none differs by more than {most}"
+    verdict = f"alike: {len(diffs)} numbers, none differs by more than {most}"
     if wrong:
-        verdict = f"{len(wrong)} of {len(found)} numbers differ by more than {most}"
+        verdict = f"{len(wrong)} of {len(diffs)} numbers differ by more than {most}"
     elif ends:
         verdict = "the numbers are alike, the ends are not"
     head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)) + tuple(apart))
@@ -154,8 +156,8 @@ def _numbers(tree: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str
         if isinstance(value, Mapping) and "value" in value:
             value = value["value"]
         if isinstance(value, Mapping):
-            own = place if key in ("wheelsets", "wheels", "points") else (*place, str(key))
-            yield from _numbers(value, own)
+            path = place if key in ("wheelsets", "wheels", "points") else (*place, str(key))
+            yield from _numbers(value, path)
         elif isinstance(value, list):
             for i, entry in enumerate(value):
                 if isinstance(entry, Mapping):

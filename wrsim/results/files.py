@@ -154,10 +154,10 @@ def safe_cell(cell: str) -> str:
 def from_json(content: bytes | str) -> dict[str, Any] | None:
     """The JSON object in a text; None for anything else, however torn or deep it is."""
     try:
-        found = json.loads(content)
+        parsed = json.loads(content)
     except (ValueError, RecursionError):
         return None
-    return found if isinstance(found, dict) else None
+    return parsed if isinstance(parsed, dict) else None
 
 
 def as_json(content: Any, indent: int = 2) -> bytes:
@@ -185,9 +185,9 @@ def digest_of(content: bytes) -> str:
 
 def _is_entry(entry: dict[str, Any]) -> bool:
     """True for a line as `Manifest.note` writes them: its files lie in the folder of the manifest, or below it."""
-    own, further = entry.get("file", "x"), entry.get("files", [])
-    texts = [own, entry.get("sha256", ""), entry.get("begin", ""), *(further if isinstance(further, list) else [None])]
-    if not all(isinstance(text, str) and "\0" not in text for text in texts) or own != Path(own).name:
+    file, further = entry.get("file", "x"), entry.get("files", [])
+    texts = [file, entry.get("sha256", ""), entry.get("begin", ""), *(further if isinstance(further, list) else [None])]
+    if not all(isinstance(text, str) and "\0" not in text for text in texts) or file != Path(file).name:
         return False
     return not any(Path(name).is_absolute() or ".." in Path(name).parts for name in further)
 
@@ -210,8 +210,8 @@ class Manifest:
                 lines = stream.read().split(b"\n")
         except OSError:
             return []
-        found = (from_json(line) for line in lines)  # one is torn when its process was killed
-        return [entry for entry in found if entry is not None and _is_entry(entry)]
+        parsed = (from_json(line) for line in lines)  # one is torn when its process was killed
+        return [entry for entry in parsed if entry is not None and _is_entry(entry)]
 
     def _open(self) -> IO[bytes]:
         self.folder.mkdir(parents=True, exist_ok=True)

@@ -96,32 +96,32 @@ def sliding_held(distance: Array, signal: Array, middles: Array, length: float, 
     sign = -1.0 if lowest else 1.0
     ends = np.stack([middles - 0.5 * length, middles + 0.5 * length])
     pairs = np.stack([np.searchsorted(distance, ends[0], "right"), np.searchsorted(distance, ends[1], "left")], axis=1)
-    found = np.empty((middles.size, *signal.shape[1:]))
+    result = np.empty((middles.size, *signal.shape[1:]))
     for column in np.ndindex(signal.shape[1:]):
-        own = sign * signal[:, *column]
-        inside = np.minimum.reduceat(np.append(own, np.inf), pairs.ravel())[::2]
-        at_ends = np.interp(ends, distance, own).min(axis=0)
-        found[:, *column] = np.where(pairs[:, 0] < pairs[:, 1], np.minimum(at_ends, inside), at_ends)
-    return sign * found
+        column_values = sign * signal[:, *column]
+        inside = np.minimum.reduceat(np.append(column_values, np.inf), pairs.ravel())[::2]
+        at_ends = np.interp(ends, distance, column_values).min(axis=0)
+        result[:, *column] = np.where(pairs[:, 0] < pairs[:, 1], np.minimum(at_ends, inside), at_ends)
+    return sign * result
 
 
 def moving_deviation(signal: Array, samples: int) -> Array:
     """Rms about its mean of a signal (n,) over so many samples about each; not-a-number where these are not there."""
-    found = np.full(signal.size, np.nan)
+    result = np.full(signal.size, np.nan)
     if signal.size >= samples:
         first, second = (
             np.convolve(part, np.full(samples, 1.0 / samples), "valid") for part in (signal, signal * signal)
         )
         start = samples // 2
-        found[start : start + first.size] = np.sqrt(np.maximum(second - first * first, 0.0))
-    return found
+        result[start : start + first.size] = np.sqrt(np.maximum(second - first * first, 0.0))
+    return result
 
 
 def percentiles(values: Array, which: Sequence[float]) -> Array:
     """Percentile of values (n, ...) along the first axis, of two the larger magnitude; infinite where a value is."""
-    found = np.full(values.shape[1:], np.inf)
+    result = np.full(values.shape[1:], np.inf)
     finite = np.isfinite(values).all(axis=0)
-    own = np.percentile(values[:, finite] if values.ndim > 1 else values, list(which), axis=0)
+    ends = np.percentile(values[:, finite] if values.ndim > 1 else values, list(which), axis=0)
     if finite.any():
-        found[finite] = own[0] if len(which) == 1 else np.abs(own).max(axis=0)
-    return found
+        result[finite] = ends[0] if len(which) == 1 else np.abs(ends).max(axis=0)
+    return result

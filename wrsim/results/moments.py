@@ -21,7 +21,7 @@ def has_patches(dataset: xr.Dataset) -> bool:
 
 
 def with_patches(dataset: xr.Dataset) -> NDArray[np.bool_]:
-    """Of every moment, whether it holds strips."""
+    """Whether a moment holds strips, for every moment."""
     strips = np.isfinite(dataset["strip_p"].values)
     return strips.reshape(strips.shape[0], -1).any(axis=1)
 
@@ -108,13 +108,13 @@ def patch_of(one: xr.Dataset, at: str | float, wheel: str | None, number: int, c
     about = {name: CHANNELS[channel].attributes for channel, name in TRACTIONS.items()}
     about["p"] = {"units": "Pa", "long_name": "pressure"}
     x = xr.Variable("x", fields.pop("x"), {"units": "m", "long_name": "along the track"})
-    found = {name: (("s", "x"), values, about[name]) for name, values in fields.items()}
+    variables = {name: (("s", "x"), values, about[name]) for name, values in fields.items()}
     along = {n: ("s", v, CHANNELS[n].attributes) for n, v in strips.items()}
     s = along.pop("strip_s")
     numbers = {str(n): v for n, v in patch.data_vars.items() if v.dims == () and "patch" in CHANNELS[str(n)].dims}
     place = {"pose": at} if dim == "pose" else {"distance_m": float(patch["snapshot_distance"])}
     return xr.Dataset(
-        found | along | {name: ((), value.values, dict(value.attrs)) for name, value in numbers.items()},
+        variables | along | {name: ((), value.values, dict(value.attrs)) for name, value in numbers.items()},
         coords={"s": s, "x": x},
         attrs={"title": one.attrs["title"], "wheel": wheel, "number": number, **place},
     )
@@ -132,8 +132,8 @@ def _elements(patch: xr.Dataset, used: NDArray[np.intp]) -> dict[str, Array] | N
     if "element_p" not in patch or not np.isfinite(patch["element_x"].values).any():
         return None
     columns = np.flatnonzero(np.isfinite(patch["element_x"].values))
-    own = {"element_p": "p"} | TRACTIONS
-    cut = {name: np.nan_to_num(patch[channel].values[np.ix_(used, columns)]) for channel, name in own.items()}
+    channels = {"element_p": "p"} | TRACTIONS
+    cut = {name: np.nan_to_num(patch[channel].values[np.ix_(used, columns)]) for channel, name in channels.items()}
     return {"x": patch["element_x"].values[columns]} | cut
 
 

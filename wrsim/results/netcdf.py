@@ -94,9 +94,9 @@ class Channels:
     def put(self, block: slice, values: Mapping[str, NDArray[Any]]) -> None:
         """Channels of the samples of a block; the first one determines which channels there are."""
         if not self._arrays:
-            self._make({name: ((self.n, *own.shape[1:]), own.dtype) for name, own in values.items()})
-        for name, own in values.items():
-            self._arrays[name][block] = own
+            self._make({name: ((self.n, *array.shape[1:]), array.dtype) for name, array in values.items()})
+        for name, array in values.items():
+            self._arrays[name][block] = array
 
     def _make(self, layout: Mapping[str, tuple[tuple[int, ...], np.dtype[Any]]]) -> None:
         size = sum(kind.itemsize * int(np.prod(shape)) for shape, kind in layout.values())
@@ -114,9 +114,9 @@ class Channels:
             for dim, count in zip(dims, shape, strict=True):
                 if dim not in self._file.dimensions:
                     self._file.createDimension(dim, count)
-            self._arrays[name] = own = self._file.createVariable(name, kind, dims)
-            own.setncatts(CHANNELS[name].attributes)
-            own.set_auto_maskandscale(False)
+            self._arrays[name] = target = self._file.createVariable(name, kind, dims)
+            target.setncatts(CHANNELS[name].attributes)
+            target.set_auto_maskandscale(False)
 
     def filled(self) -> dict[str, Any]:
         """All channels: arrays, or variables of a file whose name is gone, so that it goes with this process."""
@@ -125,7 +125,7 @@ class Channels:
         self._file.close()
         with self._name:
             opened = xr.open_dataset(self._name.name, engine="netcdf4", decode_cf=False, cache=False)
-            return {str(name): own for name, own in opened.variables.items()}
+            return {str(name): variable for name, variable in opened.variables.items()}
 
 
 def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:
@@ -141,12 +141,12 @@ def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:
         packed = not of_words and variable.size > 1000
         options: dict[str, Any] = {"fill_value": float("nan")} if kind == "f" and name not in dataset.dims else {}
         options |= {"zlib": True, "complevel": 1, "shuffle": False} if packed else {}
-        own = file.createVariable(name, str if of_words else variable.dtype, variable.dims, **options)
-        own.setncatts(variable.attrs)
-        own.set_auto_maskandscale(False)
-        made.append((own, variable, of_words))
-    for own, variable, of_words in made:
-        own[...] = variable.values.astype(object) if of_words else variable.values
+        target = file.createVariable(name, str if of_words else variable.dtype, variable.dims, **options)
+        target.setncatts(variable.attrs)
+        target.set_auto_maskandscale(False)
+        made.append((target, variable, of_words))
+    for target, variable, of_words in made:
+        target[...] = variable.values.astype(object) if of_words else variable.values
 
 
 def _with_checksum(content: Iterable[bytes]) -> Iterator[bytes]:

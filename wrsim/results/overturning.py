@@ -22,27 +22,27 @@ def summarise_overturning(dataset: xr.Dataset) -> dict[str, Any]:
     unloading = dataset["wheel_unloading"].max("wheel").values
     limits = []
     for value in np.unique(wind):
-        own = np.flatnonzero(wind == value)
-        largest = unloading[own].max(axis=1)
-        first = int(np.argmax(unloading[own[-1]]))
+        speeds = np.flatnonzero(wind == value)
+        largest = unloading[speeds].max(axis=1)
+        first = int(np.argmax(unloading[speeds[-1]]))
         limits.append(
             {
                 "wind_m_s": float(value),
-                "unloaded_kmh": _reaches(speed[own], largest, UNLOADING),
-                "lifts_kmh": _reaches(speed[own], largest, 1.0),
-                "overturns_kmh": float(speed[own[-1]]) if dataset["overturns"].values[own[-1]] else None,
+                "unloaded_kmh": _reaches(speed[speeds], largest, UNLOADING),
+                "lifts_kmh": _reaches(speed[speeds], largest, 1.0),
+                "overturns_kmh": float(speed[speeds[-1]]) if dataset["overturns"].values[speeds[-1]] else None,
                 "first_wheelset": str(dataset["wheelset"].values[first]),
             }
         )
-    found: dict[str, Any] = {"extent": extent(dataset), "limits": limits}
+    summary: dict[str, Any] = {"extent": extent(dataset), "limits": limits}
     if "run_stands_m_s" in dataset.attrs:
         falls = 3.6 * float(dataset.attrs["run_falls_m_s"])
-        found["runs"] = {
+        summary["runs"] = {
             "comes_through_kmh": 3.6 * float(dataset.attrs["run_stands_m_s"]),
             "falls_kmh": falls if np.isfinite(falls) else None,
             "how": str(dataset.attrs["run_end"]),
         }
-    return found
+    return summary
 
 
 def _reaches(speed: np.ndarray, value: np.ndarray, limit: float) -> float | None:

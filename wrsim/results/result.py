@@ -199,8 +199,8 @@ def _with_rails_of_moments(dataset: xr.Dataset) -> xr.Dataset:
             if not moments:
                 dataset = dataset.drop_vars(name)
                 continue
-            own = dataset[name]
-            own = own.expand_dims({dim: size for dim, size in moments.items() if dim not in ("wheel", "wheel_point")})
-            dataset[name] = own.copy()
+            var = dataset[name]
+            var = var.expand_dims({dim: size for dim, size in moments.items() if dim not in ("wheel", "wheel_point")})
+            dataset[name] = var.copy()
     dataset.attrs["format_version"] = FORMAT_VERSION
     return dataset

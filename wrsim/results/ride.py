@@ -56,10 +56,10 @@ class Ride:
             "blocks_of_5_s": int(self.data.attrs["blocks"]),
             "weightings": dict(zip(AXES, str(self.data.attrs["weightings"]).split(), strict=True)),
             "points": {
-                point: {f"{name}_m_s2": dict(zip(AXES, map(finite, own[name].values), strict=True)) for name in OF_AXES}
-                | {"N_MV": finite(own["N_MV"].item())}
+                point: {f"{name}_m_s2": dict(zip(AXES, map(finite, row[name].values), strict=True)) for name in OF_AXES}
+                | {"N_MV": finite(row["N_MV"].item())}
                 for point in self.points
-                for own in (self.data.sel(point=point),)
+                for row in (self.data.sel(point=point),)
             },
         }
 
@@ -86,12 +86,12 @@ class Ride:
 def csv_files(data: xr.Dataset, names: Iterable[str], unit: str, of_density: str, behind: str = "") -> dict[str, bytes]:
     """Third-octaves and spectra: a row a frequency, a column for each of the names. behind: the names of the files."""
     files = {}
-    for file, variable, own, heads in (
+    for file, variable, symbol, heads in (
         ("third_octaves", "band_rms", unit, {"band_Hz": "band", "low_Hz": "band_low", "high_Hz": "band_high"}),
         ("spectra", "density", of_density, {"frequency_Hz": "frequency"}),
     ):
         first: list[Any] = [data[name].values for name in heads.values()]
         rows = np.column_stack((*first, data[variable].values.reshape(first[0].size, -1))).tolist()
-        columns = tuple(Column(key=key) for key in (*heads, *(f"{name}_{own}" for name in names)))
+        columns = tuple(Column(key=key) for key in (*heads, *(f"{name}_{symbol}" for name in names)))
         files[f"{file}{behind}.csv"] = as_csv(as_rows(Table("", columns, rows)))
     return files

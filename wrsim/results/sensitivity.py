@@ -22,11 +22,11 @@ def sensitivity_in(dataset: xr.Dataset) -> dict[str, Any]:
     return from_json(str(dataset.attrs.get("sensitivity", ""))) or {}
 
 
-def by_output(found: Mapping[str, Any]) -> dict[str, list[tuple[str, dict[str, Mapping[str, Any]]]]]:
+def by_output(table: Mapping[str, Any]) -> dict[str, list[tuple[str, dict[str, Mapping[str, Any]]]]]:
     """Keys of every output, the one that decides most first, with their rows by index."""
-    first = next(iter(METHODS[found["method"]]))
+    first = next(iter(METHODS[table["method"]]))
     outputs: dict[str, dict[str, dict[str, Mapping[str, Any]]]] = {}
-    for row in found["indices"]:
+    for row in table["indices"]:
         outputs.setdefault(row["output"], {}).setdefault(row["key"], {})[row["index"]] = row
     return {
         output: sorted(keys.items(), key=lambda pair: -abs(pair[1][first]["value"] or 0.0))
@@ -34,18 +34,18 @@ def by_output(found: Mapping[str, Any]) -> dict[str, list[tuple[str, dict[str, M
     }
 
 
-def sensitivity_tables(found: Mapping[str, Any]) -> list[Table]:
-    """A table an output; found: see `sensitivity_in`."""
-    if not found:
+def sensitivity_tables(table: Mapping[str, Any]) -> list[Table]:
+    """A table an output; table: see `sensitivity_in`."""
+    if not table:
         return []
-    words = METHODS[found["method"]]
+    words = METHODS[table["method"]]
     heads = [Column("key")]
     for kind in words.values():
         heads += [Column(kind, "", ".3f"), Column("from", "", ".3f"), Column("to", "", ".3f")]
     made = []
-    for output, keys in by_output(found).items():
-        rows = [[key, *(own[kind][end] for kind in words for end in ("value", "low", "high"))] for key, own in keys]
-        note = found["notes"].get(output)
-        made.append(Table(f"{found['method']}: {output}", tuple(heads), rows, (note,) if note else ()))
-    without = [f"{output}: {note}" for output, note in found["notes"].items() if output not in by_output(found)]
+    for output, keys in by_output(table).items():
+        rows = [[key, *(row[kind][end] for kind in words for end in ("value", "low", "high"))] for key, row in keys]
+        note = table["notes"].get(output)
+        made.append(Table(f"{table['method']}: {output}", tuple(heads), rows, (note,) if note else ()))
+    without = [f"{output}: {note}" for output, note in table["notes"].items() if output not in by_output(table)]
     return [*made, *([Table("", notes=tuple(without))] if without else [])]

@@ -72,17 +72,17 @@ def report_smoothing(reading: Reading) -> SmoothingReport:
 
 def smoothing_table(reports: Sequence[SmoothingReport]) -> Table:
     """Curvature before and after, and how far smoothing moved the points, one line a cut-off."""
-    found = [report.numbers() for report in reports]
-    rows: list[Sequence[Cell]] = [("none", found[0]["largest_curvature_before_1_per_m"], *[""] * 5)]
-    for own in found:
-        *_, after, at_u, rms, most, where, line = own.values()
-        rows.append((quantity(own["cutoff_mm"], "mm", "g"), after, at_u, rms, most, where, str(line)))
+    numbers = [report.numbers() for report in reports]
+    rows: list[Sequence[Cell]] = [("none", numbers[0]["largest_curvature_before_1_per_m"], *[""] * 5)]
+    for row in numbers:
+        *_, after, at_u, rms, most, where, line = row.values()
+        rows.append((quantity(row["cutoff_mm"], "mm", "g"), after, at_u, rms, most, where, str(line)))
     heads = (
         Column("cut-off"), Column("largest curvature", "1/m"), Column("at u", "mm", ".2f"),
         Column("RMS change", "µm", ".3g"), Column("largest", "µm", ".3g"), Column("at u", "mm", ".2f"), Column("line"),
     )  # fmt: skip
-    spread = quantity(found[0]["scatter_um"], "µm", ".3g")
-    return Table(f"{found[0]['points']} points, which scatter by {spread} across the curve", heads, rows)
+    spread = quantity(numbers[0]["scatter_um"], "µm", ".3g")
+    return Table(f"{numbers[0]['points']} points, which scatter by {spread} across the curve", heads, rows)
 
 
 def body_of(kind: str | None) -> Kind | None:

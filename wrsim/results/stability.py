@@ -44,19 +44,19 @@ def stability_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table
             lines.append(words + (mode if kind == "linear" else ""))
         lines += [summary[note]] if note in summary else []
     lines += [summary["linearised"]] if "linearised" in summary else []
-    found = [Table(str(dataset.attrs["title"]), notes=tuple(lines))]
+    tables = [Table(str(dataset.attrs["title"]), notes=tuple(lines))]
     rows = []
     for one in np.flatnonzero(np.isfinite(dataset["mode_growth"].values).any(axis=1)):
         at = dataset.isel(pose=int(one), mode=int(np.nanargmax(dataset["mode_growth"].values[one])))
         rows.append((3.6 * at["pose_speed"].item(), *(at[f"mode_{name}"].item() for name in MODE)))
     heads = (Column("speed", "km/h"), Column("frequency", "Hz", ".3f"), Column("damping", "", ".3f"))
-    found.append(Table("least damped mode", (*heads, Column("growth", "1/s", ".3f"), Column("mode")), rows))
+    tables.append(Table("least damped mode", (*heads, Column("growth", "1/s", ".3f"), Column("mode")), rows))
     if "cycle" not in dataset.dims:
-        return found
+        return tables
     amplitude = 1e3 * dataset["cycle_amplitude"].values.max(axis=1)
     speed, *texts = (dataset[f"cycle_{name}"].values for name in ("speed", "branch", "ending"))
     columns = (3.6 * speed, *texts, amplitude, dataset["cycle_frequency"].values, dataset["cycle_time"].values)
     rows = list(zip(*(column.tolist() for column in columns), strict=True))
     heads = (Column("speed", "km/h", ".5g"), Column("branch"), Column("came to"))
     last = (Column("amplitude", "mm", ".3f"), Column("frequency", "Hz", ".3f"), Column("held", "s", ".1f"))
-    return [*found, Table("held speeds", (*heads, *last), rows)]
+    return [*tables, Table("held speeds", (*heads, *last), rows)]

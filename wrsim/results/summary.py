@@ -105,39 +105,39 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     ``None`` where there is no finite value. Peaks of patch channels run over all patches of the wheel.
     """
     attributes = dataset.attrs
-    found = {name: attributes[name] for name in ("title", "analysis", "status")} | {"stop": _stop(dataset)}
+    summary = {name: attributes[name] for name in ("title", "analysis", "status")} | {"stop": _stop(dataset)}
     if notes := str(attributes.get("profile_notes", "")):
-        found["profiles"] = notes.splitlines()
+        summary["profiles"] = notes.splitlines()
     if {"integrator", "step_s"} <= attributes.keys():
         counts = {name: int(attributes.get(name, 0)) for name in COUNTS}
         step = 1e3 * float(attributes["step_s"])
-        found["integration"] = {"integrator": attributes["integrator"], "step_ms": step, **counts}
+        summary["integration"] = {"integrator": attributes["integrator"], "step_ms": step, **counts}
     if "structure" in attributes:
-        found["structure"] = attributes["structure"]
-    found |= resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset) | _remarks(dataset)
+        summary["structure"] = attributes["structure"]
+    summary |= resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset) | _remarks(dataset)
     names = (name for name in attributes if name.endswith("_version") and name != "format_version")
-    return found | {"versions": {name.removesuffix("_version"): attributes[name] for name in names}}
+    return summary | {"versions": {name.removesuffix("_version"): attributes[name] for name in names}}
 
 
 def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
     """Remarks on contacts of solved samples and on limit cycles, by the sample."""
-    found: list[tuple[str, str]] = []
+    remarks_at: list[tuple[str, str]] = []
     if "contact_remark" in dataset:
         (sample,) = dataset["contact_remark"].dims
         places = [f"{sample} {at}" for at in dataset[sample].values]
-        found += zip(places, dataset["contact_remark"].values.tolist(), strict=True)
+        remarks_at += zip(places, dataset["contact_remark"].values.tolist(), strict=True)
     if "cycle_remark" in dataset:
         held = zip((3.6 * dataset["cycle_speed"].values).tolist(), dataset["cycle_branch"].values, strict=True)
         places = [f"{quantity(speed, 'km/h', '.5g')} {branch}" for speed, branch in held]
-        found += zip(places, dataset["cycle_remark"].values.tolist(), strict=True)
+        remarks_at += zip(places, dataset["cycle_remark"].values.tolist(), strict=True)
     if "kinetic_energy" in dataset and not dataset.sizes.get("external_load"):  # nobody counts what loads do
         parts = energy(dataset)
         rest, signs = parts["left_over_kJ"], {"work": 1.0, "gained": -1.0}
         put_in = sum(max(signs.get(key.split("_")[0], 0.0) * value, 0.0) for key, value in parts.items())
         if put_in > LEAST_ENERGY and abs(rest) > LEFT_OVER * put_in:
             words = f"{100.0 * rest / put_in:.3g} % of what was put in is not accounted for"
-            found.append(("energy", f"{words}: steps do not resolve the motion, or rails and contacts take it"))
-    remarks = {place: words for place, words in found if words}
+            remarks_at.append(("energy", f"{words}: steps do not resolve the motion, or rails and contacts take it"))
+    remarks = {place: words for place, words in remarks_at if words}
     return {"remarks": remarks} if remarks else {}
 
 
@@ -147,11 +147,12 @@ def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     summary["wheelsets"] = {name: _of_wheelset(of_wheelset(dataset, name)) for name in wheelsets(dataset)}
     if "point" in dataset.dims:
         points = {str(name): dataset.sel(point=name) for name in dataset["point"].values}
-        summary["points"] = {n: {key: peak(one, own) for key, own in OF_POINT.items()} for n, one in points.items()}
+        summary["points"] = {n: {key: peak(one, kind) for key, kind in OF_POINT.items()} for n, one in points.items()}
     if "span" in dataset.dims:
         spans = {str(name): dataset.sel(span=name) for name in dataset["span"].values}
         summary["spans"] = {
-            n: {key: peak(one, own) for key, own in OF_SPAN.items() if own.channel in one} for n, one in spans.items()
+            n: {key: peak(one, kind) for key, kind in OF_SPAN.items() if kind.channel in one}
+            for n, one in spans.items()
         }
     if "kinetic_energy" in dataset:
         summary["energy"] = energy(dataset)
@@ -194,16 +195,16 @@ def energy(dataset: xr.Dataset) -> dict[str, float]:
     def over_time(power: str) -> float:
         return 1e-3 * float(np.trapezoid(dataset[power].values, time))
 
-    found = {
+    changes = {
         "work_of_pull_kJ": over_time("pull_power"),
         "work_of_drive_kJ": 1e-3 * float(dataset["drive_work"][-1].sum()) if "drive_work" in dataset else 0.0,
         "lost_in_creep_kJ": over_time("creep_power"),
         "lost_in_dampers_kJ": over_time("damper_power"),
     }
     for key, name in (("gained_in_motion_kJ", "kinetic_energy"), ("gained_in_height_kJ", "potential_energy")):
-        found[key] = 1e-3 * float(dataset[name][-1] - dataset[name][0])
-    work = found["work_of_pull_kJ"] + found["work_of_drive_kJ"]
-    return found | {"left_over_kJ": work - sum(value for key, value in found.items() if not key.startswith("work"))}
+        changes[key] = 1e-3 * float(dataset[name][-1] - dataset[name][0])
+    work = changes["work_of_pull_kJ"] + changes["work_of_drive_kJ"]
+    return changes | {"left_over_kJ": work - sum(value for key, value in changes.items() if not key.startswith("work"))}
 
 
 LEFT_OVER, LEAST_ENERGY = 0.05, 1.0
@@ -213,33 +214,33 @@ counts as much: 10 kN at 100 mm."""
 
 def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
     always = ("lateral_shift", "yaw")
-    found: dict[str, Any] = {
-        key: peak(signals, own)
-        for key, own, signals in _signals(one, OF_WHEELSET)
-        if own.channel in one or own.channel in always
+    peaks: dict[str, Any] = {
+        key: peak(signals, kind)
+        for key, kind, signals in _signals(one, OF_WHEELSET)
+        if kind.channel in one or kind.channel in always
     }
-    found["wheels"] = wheel_peaks(one)
+    peaks["wheels"] = wheel_peaks(one)
     if "time" in one.dims:
-        found["full_curves"] = full_curves(one)
-    return found
+        peaks["full_curves"] = full_curves(one)
+    return peaks
 
 
 def wheel_peaks(one: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Peaks of the wheels of one wheelset, by wheel and name."""
     wheels = map(str, one["wheel"].values)
     peaks = _signals(one, PEAKS)
-    return {wheel: {key: peak(signals, own, wheel) for key, own, signals in peaks} for wheel in wheels}
+    return {wheel: {key: peak(signals, kind, wheel) for key, kind, signals in peaks} for wheel in wheels}
 
 
 def _signals(one: xr.Dataset, peaks: Mapping[str, Peak]) -> list[tuple[str, Peak, xr.Dataset]]:
     """Peaks with the dataset that each is of; filtered ones only where forces can be filtered."""
     smooth = filtered(one)
-    pairs = ((key, own, smooth if own.filtered else one) for key, own in peaks.items())
-    return [(key, own, signals) for key, own, signals in pairs if signals is not None]
+    pairs = ((key, kind, smooth if kind.filtered else one) for key, kind in peaks.items())
+    return [(key, kind, signals) for key, kind, signals in pairs if signals is not None]
 
 
 LOW_PASS, WINDOW = 20.0, 2.0
-"""Of EN 14363: low-pass of forces [Hz], length of the sliding mean of ΣY and Y/Q [m]."""
+"""Filters of EN 14363: low-pass of forces [Hz], length of the sliding mean of ΣY and Y/Q [m]."""
 
 
 def filtered(one: xr.Dataset) -> xr.Dataset | None:
@@ -250,13 +251,13 @@ def filtered(one: xr.Dataset) -> xr.Dataset | None:
         return None
     from wrsim.results import filters  # scipy's take half a second
 
-    own = filters.on_raster(one)
+    raster = filters.on_raster(one)
     try:
-        rate = filters.sampling_rate(own["time"].values)
-        y, q = (filters.low_pass(own[name].transpose("time", "wheel").values, rate, LOW_PASS) for name in ("Y", "Q"))
+        rate = filters.sampling_rate(raster["time"].values)
+        y, q = (filters.low_pass(raster[name].transpose("time", "wheel").values, rate, LOW_PASS) for name in ("Y", "Q"))
     except InputError:
         return None
-    place = own["distance"].values
+    place = raster["distance"].values
     if not (np.diff(place) > 0.0).all():
         return None
     inside = (place >= place[0] + 0.5 * WINDOW) & (place <= place[-1] - 0.5 * WINDOW)
@@ -266,7 +267,7 @@ def filtered(one: xr.Dataset) -> xr.Dataset | None:
     means[inside] = filters.sliding_mean(place, slid, place[inside], WINDOW)
     quotient = np.where(means[:, 3:] > 1e-12, np.nan, means[:, 1:3])
     wheels = {name: (("time", "wheel"), values) for name, values in (("Y", y), ("Q", q), ("Y_over_Q", quotient))}
-    return xr.Dataset(wheels | {"sum_Y": ("time", means[:, 0])}, own.coords)
+    return xr.Dataset(wheels | {"sum_Y": ("time", means[:, 0])}, raster.coords)
 
 
 def peak(dataset: xr.Dataset, of: Peak, wheel: str | None = None) -> dict[str, Any] | None:
@@ -282,9 +283,9 @@ def peak(dataset: xr.Dataset, of: Peak, wheel: str | None = None) -> dict[str, A
         return None
     rank = {"magnitude": np.abs, "least": np.negative, "largest": np.positive}[of.which](values)
     index = np.unravel_index(np.argmax(np.where(known, rank, -np.inf)), values.shape)
-    found = {"value": finite(values[index], CHANNELS[of.channel].shown.factor)}
+    entry = {"value": finite(values[index], CHANNELS[of.channel].shown.factor)}
     patch = {"patch": int(index[1])} if data.dims[1:] == ("patch",) else {}
-    return found | _place(dataset, int(index[0])) | patch
+    return entry | _place(dataset, int(index[0])) | patch
 
 
 def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
@@ -302,10 +303,10 @@ def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
         of_wheels = [name for name in CURVE_CHANNELS if name in part and "wheel" in part[name].dims]
         curve |= _medians(part, [name for name in CURVE_CHANNELS if name not in of_wheels])
         for wheel in dataset["wheel"].values:
-            own = part.sel(wheel=wheel)
-            often = np.isfinite(own["N"].values).mean(axis=0) > 0.5 if "N" in own else np.zeros(0)
-            patches = [_medians(own.isel(patch=int(k)), PATCH_CHANNELS) for k in np.flatnonzero(often)]
-            curve[str(wheel)] = _medians(own, of_wheels) | {"patches": patches}
+            of_side = part.sel(wheel=wheel)
+            often = np.isfinite(of_side["N"].values).mean(axis=0) > 0.5 if "N" in of_side else np.zeros(0)
+            patches = [_medians(of_side.isel(patch=int(k)), PATCH_CHANNELS) for k in np.flatnonzero(often)]
+            curve[str(wheel)] = _medians(of_side, of_wheels) | {"patches": patches}
         curves.append(curve)
     return curves
 
@@ -325,8 +326,8 @@ def _constant_stretches(distance: NDArray[Any], curvature: NDArray[Any]) -> list
 def _medians(part: xr.Dataset, names: Iterable[str]) -> dict[str, Any]:
     values = {name: part[name].values[np.isfinite(part[name].values)] for name in names if name in part}
     return {
-        CHANNELS[name].column: finite(np.median(own), CHANNELS[name].shown.factor) if own.size else None
-        for name, own in values.items()
+        CHANNELS[name].column: finite(np.median(row), CHANNELS[name].shown.factor) if row.size else None
+        for name, row in values.items()
     }
 
 
@@ -373,13 +374,13 @@ def summarise_wear(dataset: xr.Dataset) -> dict[str, Any]:
     wheels = [str(wheel) for wheel in dataset["wheel"].values]
     laws: dict[str, Any] = {}
     for law in map(str, dataset["wear_law"].values):
-        own = dataset.sel(wear_law=law)
+        of_law = dataset.sel(wear_law=law)
         laws[law] = {
             "wheelsets": {
-                name: {wheel: _worn_wheel(own.sel(wheelset=name, wheel=wheel)) for wheel in wheels}
+                name: {wheel: _worn_wheel(of_law.sel(wheelset=name, wheel=wheel)) for wheel in wheels}
                 for name in wheelsets(dataset)
             },
-            "rails": {wheel: _deepest(own.sel(wheel=wheel), "wear_rail_depth", "wear_rail_u") for wheel in wheels},
+            "rails": {wheel: _deepest(of_law.sel(wheel=wheel), "wear_rail_depth", "wear_rail_u") for wheel in wheels},
         }
     fatigue = {}
     for wheel in wheels:
@@ -403,7 +404,7 @@ def _worn_wheel(one: xr.Dataset) -> dict[str, Any]:
 
 
 def _deepest(one: xr.Dataset, name: str, place: str) -> dict[str, Any]:
-    own, values = CHANNELS[name].shown, one[name].values
+    shown, values = CHANNELS[name].shown, one[name].values
     at = int(np.argmax(np.where(np.isfinite(values), values, -np.inf)))
-    most, where = finite(values[at], own.factor), finite(one[place].values[at], 1e3)
-    return {f"{name}_max_{own.suffix}".removesuffix("_"): most, f"{place}_mm": None if most is None else where}
+    most, where = finite(values[at], shown.factor), finite(one[place].values[at], 1e3)
+    return {f"{name}_max_{shown.suffix}".removesuffix("_"): most, f"{place}_mm": None if most is None else where}

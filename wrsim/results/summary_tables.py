@@ -38,22 +38,22 @@ Summary = Mapping[str, Any]
 def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     """Peaks of each wheel and wheelset, medians in full curves, balance of energy, events, what integration took."""
     title = str(dataset.attrs["title"])
-    own = list(summary["wheelsets"].values())
+    sets = list(summary["wheelsets"].values())
     labels = list(numbered(tuple(summary["wheelsets"])).values())
-    if len(own) == 1:
-        tables = wheelset_tables(own, [""], title=title)
+    if len(sets) == 1:
+        tables = wheelset_tables(sets, [""], title=title)
     else:
-        tables = [vehicle_table(title, labels, [each["wheels"] for each in own])]
-        cells = {key: [_placed(each.get(key), peak.unit) for each in own] for key, peak in OF_WHEELSET.items()}
+        tables = [vehicle_table(title, labels, [each["wheels"] for each in sets])]
+        cells = {key: [_placed(each.get(key), peak.unit) for each in sets] for key, peak in OF_WHEELSET.items()}
         known = {key: peak for key, peak in OF_WHEELSET.items() if any(cell.value for cell in cells[key])}
         known = {key: named(OF_WHEELSET, known)[key] for key in known}
         rows = [(label, *(cells[key][i] for key in known)) for i, label in enumerate(labels)]
         heads = (Column("wheelset"), *(Column(peak.short or peak.words, peak.unit) for peak in known.values()))
         tables += [Table("largest magnitudes", heads, rows)] if known else []
-    tables += curve_tables(labels, own)
+    tables += curve_tables(labels, sets)
     if spans := summary.get("spans"):
-        known = {key: own for key, own in OF_SPAN.items() if key in next(iter(spans.values()))}
-        heads = (Column(), *(Column(own.words, own.unit) for own in known.values()))
+        known = {key: peak for key, peak in OF_SPAN.items() if key in next(iter(spans.values()))}
+        heads = (Column(), *(Column(peak.label, peak.unit) for peak in known.values()))
         rows = [(name, *(_placed(each[key]) for key in known)) for name, each in spans.items()]
         tables.append(Table("bridge, largest in the middle of its spans", heads, rows))
     if energy := summary.get("energy"):
@@ -106,24 +106,24 @@ def extent_words(dataset: xr.Dataset) -> str:
     return words
 
 
-def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:
+def wheelset_tables(sets: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:
     """Peaks of one wheelset and its wheels with their places, a column for each result; names: of the results. Of two
     results of the same wheels their change too."""
-    pairs, alike = list(zip(own, names, strict=True)), {tuple(each["wheels"]) if each else () for each in own}
-    two = len(own) == 2 and len(alike) == 1 and all(own)
+    pairs, alike = list(zip(sets, names, strict=True)), {tuple(each["wheels"]) if each else () for each in sets}
+    two = len(sets) == 2 and len(alike) == 1 and all(sets)
     wheels = [(each, name, wheel) for each, name in pairs for wheel in (each["wheels"] if each else WHEELS)]
     rows: list[Sequence[Cell]] = []
-    known = {key for each in own for part in ((each, *each["wheels"].values()) if each else ()) for key in part}
+    known = {key for each in sets for part in ((each, *each["wheels"].values()) if each else ()) for key in part}
     for key, peak in named(PEAKS, known).items():
         cells = [_placed(each["wheels"][wheel].get(key) if each else None, peak.unit) for each, _, wheel in wheels]
         rows.append((with_unit(peak.label, peak.unit), *cells, *(_changes(cells) if two else ())))
-    heads = [Column(f"{name}: {wheel}" if len(own) > 1 else wheel) for _, name, wheel in wheels]
+    heads = [Column(f"{name}: {wheel}" if len(sets) > 1 else wheel) for _, name, wheel in wheels]
     if two:
         heads += [Column(f"change, {wheel}", "%", ".1f") for wheel in next(iter(alike))]
     tables = [Table(title, (Column(), *heads), _known(rows))]
     rows = []
     for key, peak in named(OF_WHEELSET, known).items():
-        cells = [_placed((each or {}).get(key), peak.unit) for each in own]
+        cells = [_placed((each or {}).get(key), peak.unit) for each in sets]
         change = _changes(cells) if two else ()
         rows.append((with_unit(peak.label, peak.unit), *cells, *change))
     if rows := _known(rows):
@@ -141,27 +141,27 @@ def named(peaks: Mapping[str, Peak], known: Collection[str]) -> dict[str, Peak]:
 
 
 def _changes(cells: Sequence[ValueAt]) -> list[float | None]:
-    """Of the second half of some numbers over the first [%]."""
+    """Change of the second half of some numbers over the first [%]."""
     half, zero = len(cells) // 2, SIGNIFICANT_CHANGE * max((abs(cell.value or 0.0) for cell in cells), default=0.0)
     return [percent(a.value, b.value, zero) for a, b in zip(cells[:half], cells[half:], strict=True)]
 
 
-def vehicle_table(title: str, labels: Sequence[str], own: Sequence[Summary]) -> Table:
-    """Peaks of several wheelsets, a row a wheel. own: by wheel and name."""
-    known = {key for wheels in own for peaks in wheels.values() for key in peaks}
+def vehicle_table(title: str, labels: Sequence[str], sets: Sequence[Summary]) -> Table:
+    """Peaks of several wheelsets, a row a wheel. sets: peaks by wheel and name."""
+    known = {key for wheels in sets for peaks in wheels.values() for key in peaks}
     short = {key: peak for key, peak in named(PEAKS, known).items() if peak.short and key in known}
     rows = [
         (label if j == 0 else "", wheel, *(_placed(peaks.get(key), short[key].unit).value for key in short))
-        for label, wheels in zip(labels, own, strict=True)
+        for label, wheels in zip(labels, sets, strict=True)
         for j, (wheel, peaks) in enumerate(wheels.items())
     ]
     heads = [Column("wheelset"), Column("wheel"), *(Column(peak.short, peak.unit) for peak in short.values())]
     return Table(title, tuple(heads), rows)
 
 
-def curve_tables(labels: Sequence[str], own: Sequence[Summary], most: int = MOST_CURVES) -> list[Table]:
+def curve_tables(labels: Sequence[str], sets: Sequence[Summary], most: int = MOST_CURVES) -> list[Table]:
     """Medians in the first full curves: a row a wheel, and one for each further patch of it."""
-    curves = [each.get("full_curves", []) for each in own]
+    curves = [each.get("full_curves", []) for each in sets]
     count = min(map(len, curves), default=0)
     several = len(labels) > 1
     tables = []
@@ -170,7 +170,7 @@ def curve_tables(labels: Sequence[str], own: Sequence[Summary], most: int = MOST
         wheels = [part for of in curves for part in of[k].values() if isinstance(part, Mapping)]
         known = {name for part in (*(of[k] for of in curves), *wheels) for name in part}
         channels = {name: words for name, words in CURVE_CHANNELS.items() if CHANNELS[name].column in known}
-        for label, each, of in zip(labels, own, curves, strict=True):
+        for label, each, of in zip(labels, sets, curves, strict=True):
             for j, wheel in enumerate(each["wheels"]):
                 values = (of[k] if j == 0 else {}) | of[k].get(wheel, {})
                 head: list[Cell] = [*([label if j == 0 else ""] if several else []), wheel]
@@ -221,13 +221,13 @@ def integration(summary: Summary) -> list[str]:
     return [words + (f"{cut}, {took['explicit_steps']} of them by rk44" if took["cut_steps"] else "")]
 
 
-def _placed(found: Summary | None, unit: str = "") -> ValueAt:
-    if found is None or found["value"] is None:
+def _placed(peak: Summary | None, unit: str = "") -> ValueAt:
+    if peak is None or peak["value"] is None:
         return ValueAt(None, "")
-    value = found["value"] if abs(found["value"]) >= ROUND_OFF.get(unit, 0.0) else 0.0
-    if "distance_m" in found:
-        return ValueAt(value, quantity(found["distance_m"], "m", ".1f"))
-    return ValueAt(value, found["pose"] if "pose" in found else quantity(found["time_s"], "s", ".3f"))
+    value = peak["value"] if abs(peak["value"]) >= ROUND_OFF.get(unit, 0.0) else 0.0
+    if "distance_m" in peak:
+        return ValueAt(value, quantity(peak["distance_m"], "m", ".1f"))
+    return ValueAt(value, peak["pose"] if "pose" in peak else quantity(peak["time_s"], "s", ".3f"))
 
 
 def _known(rows: Sequence[Sequence[Cell]]) -> list[Sequence[Cell]]:

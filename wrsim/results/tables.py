@@ -110,9 +110,9 @@ def frame(dataset: xr.Dataset) -> DataFrame:
     """The same as a data frame; ``attrs["units"]`` holds the unit of every column."""
     import pandas as pd
 
-    found = list(columns(dataset))
-    table = pd.DataFrame({name: values for name, _, values in found})
-    units = {name: converted(channel.shown).symbol for name, channel, _ in found if channel.kind == "number"}
+    named = list(columns(dataset))
+    table = pd.DataFrame({name: values for name, _, values in named})
+    units = {name: converted(channel.shown).symbol for name, channel, _ in named if channel.kind == "number"}
     table.attrs["units"] = Units(units)
     return table
 
@@ -123,7 +123,7 @@ def indexed_frame(dataset: xr.Dataset) -> DataFrame:
     import pandas as pd
 
     sample = "time" if "time" in dataset.dims else "pose"
-    found: dict[tuple[str, str, str], NDArray[Any]] = {}
+    named: dict[tuple[str, str, str], NDArray[Any]] = {}
     units = {}
     for name, channel in CHANNELS.items():
         if name not in dataset.variables or dataset[name].dims[:1] != (sample,) or "strip" in dataset[name].dims:
@@ -132,10 +132,10 @@ def indexed_frame(dataset: xr.Dataset) -> DataFrame:
         for labels, values in _places(dataset, name):
             of = {str(dim): str(label) for dim, label in zip(dims, labels, strict=True)}
             key = of.pop("wheelset", ""), of.pop("wheel", ""), "_".join((name, *of.values()))
-            found[key] = values * converted(channel.shown).factor if channel.kind == "number" else values
+            named[key] = values * converted(channel.shown).factor if channel.kind == "number" else values
             units[key] = converted(channel.shown).symbol if channel.kind == "number" else ""
-    table = pd.DataFrame(found)
-    table.columns = pd.MultiIndex.from_tuples(found, names=("wheelset", "wheel", "channel"))
+    table = pd.DataFrame(named)
+    table.columns = pd.MultiIndex.from_tuples(named, names=("wheelset", "wheel", "channel"))
     table.attrs["units"] = Units(units)
     if "distance" in dataset:
         along = dataset["distance"]
@@ -148,8 +148,8 @@ def indexed_frame(dataset: xr.Dataset) -> DataFrame:
 
 def _flat(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, NDArray[Any]]]:
     """Columns of a channel with their names: one for each combination of the labels of its further dimensions."""
-    for own, values in _places(dataset, name):
-        words = (name, *map(str, own), converted(CHANNELS[name].shown).suffix)
+    for place, values in _places(dataset, name):
+        words = (name, *map(str, place), converted(CHANNELS[name].shown).suffix)
         yield "_".join(word.replace(" ", "_") for word in words if word), values
 
 
@@ -159,8 +159,8 @@ def _places(dataset: xr.Dataset, name: str) -> Iterator[tuple[tuple[Any, ...], N
     labels = [dataset[dim].values if dim in dataset.coords else range(dataset.sizes[dim]) for dim in data.dims[1:]]
     places = list(product(*labels))
     values = data.values.reshape(data.shape[0], len(places))
-    for i, own in enumerate(places):
-        yield own, values[:, i]
+    for i, place in enumerate(places):
+        yield place, values[:, i]
 
 
 def long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], dims: tuple[str, ...]) -> list[Row]:

@@ -107,18 +107,18 @@ def in_text(words: str) -> str:
     """Words with their metric quantities, ``70 to 170 m``, in the units in use, to as many digits, three at least."""
     if CHOICE.get().system == "metric":
         return words
-    words = _RADIUS.sub(lambda found: f"R {numbers_in(found[1], US['m'])} ft", words)
-    return _WITH_UNIT.sub(lambda found: f"{numbers_in(found[1], US[found[3]])}{found[2]}{US[found[3]].symbol}", words)
+    words = _RADIUS.sub(lambda match: f"R {numbers_in(match[1], US['m'])} ft", words)
+    return _WITH_UNIT.sub(lambda match: f"{numbers_in(match[1], US[match[3]])}{match[2]}{US[match[3]].symbol}", words)
 
 
 def numbers_in(words: str, unit: Conversion) -> str:
     """Words with all of their numbers in another unit."""
 
-    def other(found: re.Match[str]) -> str:
-        sign, digits = found[1], found[2]
+    def other(match: re.Match[str]) -> str:
+        sign, digits = match[1], match[2]
         most = max(3, len(digits.replace(".", "").lstrip("0")))
         if (value := unit.forward(float(digits))) == 0.0:
-            return found[0]
+            return match[0]
         places = max(0, most - 1 - (int(log10(value)) if value >= 1.0 else 0))
         return f"{sign}{value:.{places}f}" if value < 10.0**most else f"{sign}{value:.0f}"
 
@@ -134,9 +134,9 @@ def finer(form: str, unit: Conversion) -> str:
 
 def heading_in(words: str) -> tuple[str, Conversion | None]:
     """A heading or label with the unit in use in its brackets, and the conversion to it."""
-    found = re.search(r"\[([^\]]+)\]", words)
-    unit = conversion(found[1]) if found else None
-    return (words, None) if found is None or unit is None else (words.replace(found[0], f"[{unit.symbol}]"), unit)
+    match = re.search(r"\[([^\]]+)\]", words)
+    unit = conversion(match[1]) if match else None
+    return (words, None) if match is None or unit is None else (words.replace(match[0], f"[{unit.symbol}]"), unit)
 
 
 _TEXTS = re.compile(r"(<(script|style|pre|svg|textarea)\b.*?</\2>)|(?<=>)[^<]+", re.DOTALL)
@@ -144,7 +144,7 @@ _TEXTS = re.compile(r"(<(script|style|pre|svg|textarea)\b.*?</\2>)|(?<=>)[^<]+",
 
 def in_page(page: str) -> str:
     """A page with the words that it shows in the units in use."""
-    return page if CHOICE.get().system == "metric" else _TEXTS.sub(lambda found: found[1] or in_text(found[0]), page)
+    return page if CHOICE.get().system == "metric" else _TEXTS.sub(lambda match: match[1] or in_text(match[0]), page)
 
 
 def converted(shown: Shown) -> Shown:

@@ -49,11 +49,11 @@ def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
         one.attrs["title"] = f"{dataset.attrs['title']}: wheelset {numbered(names)[name]}"
     if "wheelset_distance" not in one:
         return one
-    own = one["wheelset_distance"].values
+    wheelset_place = one["wheelset_distance"].values
     if len(names) > 1 and (place := one.get("fast_distance")) is not None:
-        at = np.interp(one["fast_time"].values, one["time"].values, own)
+        at = np.interp(one["fast_time"].values, one["time"].values, wheelset_place)
         one["fast_distance"] = (place.dims, at, dict(place.attrs))
-    distance = xr.Variable(("time",), own, dict(dataset["distance"].attrs))
+    distance = xr.Variable(("time",), wheelset_place, dict(dataset["distance"].attrs))
     return one.drop_vars("wheelset_distance").assign_coords(distance=distance)
 
 
@@ -62,15 +62,15 @@ def fast_of(dataset: xr.Dataset) -> xr.Dataset:
     there are none."""
     if "fast_time" not in dataset.dims:
         raise InputError("the result has no fast channels: run its scenario with run.fast_channels")
-    own = dataset.drop_dims("time", errors="ignore")
-    return own.rename({name: str(name).removeprefix("fast_") for name in own.variables})
+    fast = dataset.drop_dims("time", errors="ignore")
+    return fast.rename({name: str(name).removeprefix("fast_") for name in fast.variables})
 
 
 def matched(dataset: xr.Dataset, first: xr.Dataset) -> xr.Dataset:
     """A dataset whose wheelsets go by the names of another's, by their order from the front; others by their own."""
-    own, ahead = wheelsets(dataset), wheelsets(first)
-    names = [*ahead[: len(own)], *own[len(ahead) :]]
-    if len(set(names)) < len(names) or tuple(names) == own:
+    labels, ahead = wheelsets(dataset), wheelsets(first)
+    names = [*ahead[: len(labels)], *labels[len(ahead) :]]
+    if len(set(names)) < len(names) or tuple(names) == labels:
         return dataset
     return dataset.assign_coords(wheelset=names if "wheelset" in dataset.dims else names[0])
 
