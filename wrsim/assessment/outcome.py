@@ -185,7 +185,7 @@ class ZoneValue:
             else "at least " * worst.quantity.lowest + formatted(limit.value * factor),
             "margin": "" if worst.margin is None else quantity(100.0 * worst.margin, "%", ".0f"),
             "verdict": "" if self.passed is None else "ok" if self.passed else "EXCEEDED",
-            "worst in": worst.where,
+            "where": worst.where,
         }
 
 
@@ -334,7 +334,7 @@ def assessment_numbers(assessment: Assessment) -> list[Table]:
         numbers = [cells[key] for key in ("worst", "estimate", "limit", "margin")] + [
             cells["verdict"] * (not assessment.lone)
         ]
-        rows.append([*head, row.zone, *numbers, letter, cells["worst in"]])
+        rows.append([*head, row.zone, *numbers, letter, cells["where"]])
         last = judged.key
     words = ("quantity", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "where")
     tables.append(Table("", tuple(map(Column, words)), rows))

@@ -1,4 +1,4 @@
-"""Pictures of an assessment: used part of each limit, signals against distance, values estimated by influences."""
+"""Pictures of an assessment: utilisation of each limit, signals against distance, values estimated by influences."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -65,10 +65,10 @@ def limits_figure(assessment: Assessment) -> Figure:
             note(axes, label, (clear, i), (4.0, 0.0), va="center", fontsize=6.3, color=words)
         axes.set_yticks(range(len(rows)), [f"{worst.quantity.symbol}   {worst.section.zone}" for worst, _ in rows])
         axes.axvline(1.0, color=INK, linewidth=0.9, zorder=2.5)
-        axes.set(xlim=(0.0, 1.75 * clear), ylim=(len(rows) - 0.4, -0.6), xlabel="Used part of the limit")
+        axes.set(xlim=(0.0, 1.75 * clear), ylim=(len(rows) - 0.4, -0.6), xlabel="Utilisation")
         axes.grid(axis="y", visible=False)
 
-    words = "Part of the limit that is used: bar: worst; points: every section, wheelset and wheel"
+    words = "Utilisation of the limits. Bar: worst; points: every section, wheelset and wheel"
     return panels(f"{assessment.title}\n{words}", [draw], 26.0 + 4.6 * len(rows))
 
 

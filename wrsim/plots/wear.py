@@ -50,7 +50,10 @@ def wear_figure(dataset: xr.Dataset) -> Figure:
 @style()
 def fatigue_figure(dataset: xr.Dataset) -> Figure:
     """Shakedown map of all patches of the run; T-gamma and damage over the rails by one passage."""
-    passage = {"wear_rail_energy": "T-gamma over the width of the rail [N/mm]", "rail_damage": "Damage of the rail [1]"}
+    passage = {
+        "wear_rail_energy": "T-gamma over the width of the rail [N/mm]",
+        "rail_damage": "RCF damage per passage (Burstow)",
+    }
 
     def draw(axes: Axes, name: str) -> None:
         _over_profile(axes, dataset, name, "rail")
@@ -63,7 +66,7 @@ def fatigue_figure(dataset: xr.Dataset) -> Figure:
 
 
 def shakedown_map(axes: Axes, dataset: xr.Dataset) -> None:
-    """Hertz's pressure 3 N / (2 A) over the yield stress in shear against the friction that is used, patch by patch."""
+    """Hertz's pressure 3 N / (2 A) over the yield stress in shear against the utilised friction, patch by patch."""
     highest = 2.0
     for i, wheel in enumerate(str(name) for name in dataset["wheel"].values):
         used, index = (dataset[n].sel(wheel=wheel).values.ravel() for n in ("traction_coefficient", "fatigue_index"))
@@ -81,8 +84,8 @@ def shakedown_map(axes: Axes, dataset: xr.Dataset) -> None:
     axes.fill_between(mu, 1.0 / mu, highest, color=STOP_COLOUR, alpha=0.06, linewidth=0.0)
     axes.text(0.97, 0.97, "surface fatigue", transform=axes.transAxes, ha="right", va="top", color=STOP_COLOUR)
     axes.text(0.03, 0.03, "shakes down at the surface", transform=axes.transAxes, color=QUIET, zorder=1)
-    axes.set(xlim=(0.0, LARGEST_FRICTION), xlabel="Friction that is used $T/N$", title="Shakedown map")
-    axes.set(ylim=(0.0, highest), ylabel="Pressure over yield stress in shear $3N/(2Ak)$")
+    axes.set(xlim=(0.0, LARGEST_FRICTION), xlabel="Utilised friction $T/N$", title="Shakedown map")
+    axes.set(ylim=(0.0, highest), ylabel="Load factor $p_0/k$, $p_0 = 3N/(2A)$")
 
 
 def _over_profile(axes: Axes, dataset: xr.Dataset, name: str, body: str, **look: object) -> None:

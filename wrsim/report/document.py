@@ -170,20 +170,20 @@ def _asked(result: Result) -> str:
 
 
 def basis(dataset: xr.Dataset, assessment: Assessment) -> str:
-    """What a verdict rests on: smooth or uneven track, the sections of every class of track beside those that the
-    standard asks, limits that are to be confirmed."""
-    words = [f"simulated on {'uneven' if 'rail_lateral' in dataset else 'smooth'} track"]
+    """Basis of a verdict: smooth or uneven track, the sections of every class of track beside those that the standard
+    asks, limits that are to be confirmed."""
+    words = [f"simulation on {'uneven' if 'rail_lateral' in dataset else 'smooth'} track"]
     for zone in dict.fromkeys(s.zone for s in assessment.sections if s.zone != TRANSITION):
         sections = [s for s in assessment.sections if s.zone == zone]
         radii = sorted(abs(s.radius) for s in sections)
         span = f"{radii[0]:.0f}" if radii[-1] < 1.005 * radii[0] else f"{radii[0]:.0f} to {radii[-1]:.0f}"
-        where = "of straight track" if zone == "straight" else f"of R {span} m"
+        where = "straight" if zone == "straight" else f"R {span} m"
         needed = assessment.rules.needed.get(zone)
-        of = f"of the {needed}* that the standard asks" if needed else "for which the standard asks no number"
-        words.append(f"{len(sections)} section{'s' * (len(sections) != 1)} {where} {of}")
+        count = f"{len(sections)} of {needed}*" if needed else str(len(sections))
+        words.append(f"{count} section{'s' * (len(sections) != 1)} {where}")
     if any(v.limit is not None and v.limit.mark == "mem" for v in assessment.values):
         words.append("limits marked * to be confirmed")
-    return f"It rests on: {', '.join(words)}."
+    return f"Basis: {'; '.join(words)}."
 
 
 def css_text(words: str) -> Markup:

@@ -383,8 +383,8 @@ def worn_outlines(mine: xr.Dataset, on_wheel: Array, on_rail: Array) -> dict[str
         depths[body] = np.rint(100.0 * drawn_depth(mine, body, points)).astype(int).tolist()
         channel = CHANNELS[f"wear_{body}_depth"]
         most = float(mine.isel(wear_law=0)[channel.name].max())
-        words.append(f"{body} to {quantity(most * channel.shown.factor, channel.shown.symbol, '.3g')}")
-    return depths | {"words": f"wear, {LAW_WORDS[law]}: {', '.join(words)} a passage"}
+        words.append(f"{body} {quantity(most * channel.shown.factor, channel.shown.symbol, '.3g')}")
+    return depths | {"words": f"wear, {LAW_WORDS[law]}: {', '.join(words)} per passage"}
 
 
 def needed(x: Array, y: Array, off: float) -> NDArray[np.intp]:

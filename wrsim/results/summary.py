@@ -163,7 +163,7 @@ def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     return summary
 
 
-CUT_STEPS = "time steps that Newton's method did not solve were subdivided"
+CUT_STEPS = "time steps that Newton's method did not solve"
 """Begin of the words of an event of the solver, which is none of the vehicle's."""
 
 

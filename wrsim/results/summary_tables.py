@@ -36,7 +36,7 @@ Summary = Mapping[str, Any]
 
 
 def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
-    """Peaks of each wheel and wheelset, medians in full curves, balance of energy, events, what integration took."""
+    """Peaks of each wheel and wheelset, medians in full curves, energy balance, events, what integration took."""
     title = str(dataset.attrs["title"])
     sets = list(summary["wheelsets"].values())
     labels = list(numbered(tuple(summary["wheelsets"])).values())

@@ -65,10 +65,10 @@ class Verdict:
 COLUMNS = {
     "state": "state", "clause": "clause", "quantity": "symbol", "unit": "unit", "class (sections)": "zone",
     "worst": "worst", "mean, 95 %": "interval", "estimate": "estimate", "limit": "limit", "margin": "margin",
-    "verdict": "word", "source": "source", "worst in": "where",
+    "verdict": "word", "source": "source", "where": "where",
 }  # fmt: skip
 """Heads of columns, and what of a verdict stands in them."""
-SHORT = [head for head in COLUMNS if head not in ("quantity", "mean, 95 %", "source", "worst in")]
+SHORT = [head for head in COLUMNS if head not in ("quantity", "mean, 95 %", "source", "where")]
 """Columns for the terminal."""
 
 
@@ -112,7 +112,7 @@ def _of_zone(state: str, judged: Assessment, zone: ZoneValue, limit: Limit) -> V
     return Verdict(
         state, measured.key if clause is None else clause.id, measured.symbol, converted(measured.shown).unit,
         f"{zone.worst.section.zone} ({sections})", cells["worst"], interval(zone), cells["estimate"], cells["limit"],
-        cells["margin"], limit.source + limit.star, cells["worst in"], bool(zone.passed), zone.margin or 0.0,
+        cells["margin"], limit.source + limit.star, cells["where"], bool(zone.passed), zone.margin or 0.0,
     )  # fmt: skip
 
 

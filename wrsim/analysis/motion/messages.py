@@ -116,7 +116,7 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     return {
         "lift": f"{wheel} loses contact {lasted}",
         "stop": f"bump stop {event.part} is beyond the end of its table {lasted}",
-        "steps": f"{CUT_STEPS} {lasted}",
+        "steps": f"{CUT_STEPS} were subdivided {lasted}",
         "spins": f"wheelset {event.part} is driven beyond adhesion and spins {lasted}",
         "slides": f"wheelset {event.part} is braked beyond adhesion and slides {lasted}",
         "loose": f"nothing presses friction {event.part} together {lasted}: it has no normal force",

@@ -130,7 +130,7 @@ def fatigue_channels(patches: Mapping[str, Array], wear_number: Array, shear_yie
 
 
 def traction_coefficient(fx: ArrayLike, fy: ArrayLike, normal: ArrayLike) -> Array:
-    """Friction that is used: creep force over normal force of a patch [1]; not-a-number without contact."""
+    """Utilised friction: creep force over normal force of a patch [1]; not-a-number without contact."""
     n = np.asarray(normal, dtype=float)
     return np.hypot(fx, fy) / np.where(n > 0.0, n, np.nan)
 
@@ -139,7 +139,7 @@ def fatigue_index(used: ArrayLike, normal: ArrayLike, area: ArrayLike, shear_yie
     """Surface fatigue index [1]: above 0 the surface shakes down no more; Ekberg, Kabo and Andersson 2002.
 
     ``used - 2 pi a b k / (3 N)``: how far, along the traction coefficient, a patch lies beyond the limit p0 / k = 1 /
-    mu of the shakedown map. used: friction that is used; normal [N]; area: pi a b [m2]; shear_yield: k [Pa].
+    mu of the shakedown map. used: utilised friction; normal [N]; area: pi a b [m2]; shear_yield: k [Pa].
     """
     n = np.asarray(normal, dtype=float)
     return np.asarray(used) - 2.0 * np.asarray(area) * shear_yield / (3.0 * np.where(n > 0.0, n, np.nan))
