@@ -265,9 +265,6 @@ def _later_patches(data: xr.DataArray) -> list[Artist]:
     return [Line2D([], [], color=theme.QUIET, linestyle=theme.GROUP_LINE[k], label=PATCH_NAMES[k]) for k in used]
 
 
-PART_COLOURS = (theme.INK, "#0072B2", "#D55E00", "#009E73", "#9467A9", "#B8860B")
-"""Colours of wheelsets, bodies and points, in their order."""
-
 VEHICLE_PICTURES = {
     "vehicle_guiding": ("wheelset", "Y"),
     "vehicle_shifting": ("wheelset", "sum_Y"),
@@ -324,7 +321,7 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> F
     """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front."""
     names = [str(n) for n in dataset[dim].values]
     labels = numbered(names).values() if dim == "wheelset" else names
-    pairs = zip(cycle(PART_COLOURS), cycle(theme.GROUP_LINE), labels)
+    pairs = zip(cycle(theme.SERIES_COLOURS), cycle(theme.GROUP_LINE), labels)
     looks: list[dict[str, Any]] = [{"color": colour, "linestyle": line} for colour, line, _ in pairs]
 
     def panel(axes: Axes, _: xr.Dataset, name: str) -> None:

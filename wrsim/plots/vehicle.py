@@ -10,9 +10,19 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
-from wrsim.plots.histories import PART_COLOURS
 from wrsim.plots.marks import panels
-from wrsim.plots.theme import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL, full_width, mm_axes, new_figure, style
+from wrsim.plots.theme import (
+    FAINT,
+    INK,
+    QUIET,
+    RAIL_FILL,
+    SERIES_COLOURS,
+    WHEEL_FILL,
+    full_width,
+    mm_axes,
+    new_figure,
+    style,
+)
 from wrsim.vehicle.couplings import GLYPHS
 from wrsim.vehicle.element_tables import KINDS, Glyph
 from wrsim.vehicle.elements import Element
@@ -137,7 +147,9 @@ def campbell_figure(title: str, axles: Sequence[Mapping[str, Any]]) -> Figure:
         for way, look in (("backward", "--"), ("forward", "-")):
             for k, frequencies in enumerate(np.array(axle[f"{way}_Hz"]).T):
                 label = way if k == 0 else None
-                axes.plot(axle["speed_kmh"], frequencies, look, color=PART_COLOURS[k % len(PART_COLOURS)], label=label)
+                axes.plot(
+                    axle["speed_kmh"], frequencies, look, color=SERIES_COLOURS[k % len(SERIES_COLOURS)], label=label
+                )
         axes.set(xlabel="speed [km/h]", ylabel="frequency [Hz]", ylim=(0.0, None), title=axle["wheelset"])
         axes.legend()
 
