@@ -146,8 +146,9 @@ def test_what_wheels_lose_goes_to_creep_and_to_what_they_roll_on(
     bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start, drive=law.drive)
     rails, rows = law.on_sleepers, []
     arrays = [wheel.model.arrays for wheel in law.wheels[0]]
-    for own in arrays:
-        own.settings["damping"] = 0.0
+    for contact in arrays:
+        contact.rows.model.flags.writeable = True  # no contact of these tests has another model
+        contact.rows.model["damping"] = 0.0
     mode = law.workspace.views[vehicle_forces.MODES]
 
     def look(t: float, q: np.ndarray, q_t: np.ndarray) -> None:
