@@ -51,8 +51,8 @@ def us_keys(key: str) -> tuple[str, ...]:
     """The keys in US units of a metric key."""
     named = sorted(((name, unit) for unit, (name, _) in FACTORS.items()), key=lambda pair: len(pair[0]), reverse=True)
     plain = next((f"{key.removesuffix(name)}{unit}" for name, unit in named if key.endswith(f"_{name}")), "")
-    words = (f"{word}{plain.removeprefix(ours)}" for word, ours in WORDS.items() if plain.startswith(f"{ours}_"))
-    return tuple(filter(None, (plain, *words, "radius_deg" if key == "radius_m" else "")))
+    renamed = (f"{word}{plain.removeprefix(ours)}" for word, ours in WORDS.items() if plain.startswith(f"{ours}_"))
+    return tuple(filter(None, (plain, *renamed, "radius_deg" if key == "radius_m" else "")))
 
 
 def converted(value: Any, convert: Callable[[float], float]) -> Any:
