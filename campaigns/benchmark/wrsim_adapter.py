@@ -328,7 +328,7 @@ class Wrsim(Code):
         law = on_track(replace(plain, loads=(push,)), speed_m_per_s, structure=track).law
         rails = law.on_sleepers
         assert rails is not None
-        rolling(law, 0.1, 2e-4, lambda t, q, q_t: seen.append((q[-4::2].sum(), rails.ties["last_n"].sum())))
+        rolling(law, 0.1, 2e-4, lambda t, q, q_t: seen.append((q[-4::2].sum(), rails.wheels["last_n"].sum())))
         aside, force = np.mean(seen[len(seen) // 2 :], axis=0)
         return {"aside_m_per_N": aside / force}
 

@@ -109,7 +109,7 @@ def test_below_the_linear_critical_speed_a_small_kick_dies_and_a_limit_cycle_liv
     # between the flanges, which touch at 9.1 mm, and a little into their springs
     assert 9.1e-3 < large.amplitudes.max() < first.amplitudes.max() < 11.5e-3
     assert 3.5 < large.frequency < first.frequency < 4.3
-    assert search.found == [first, large, small, slower]
+    assert search.cycles == [first, large, small, slower]
 
 
 def test_an_interrupted_or_useless_search_for_limit_cycles_says_so():
