@@ -136,7 +136,7 @@ def activate(system: System, n: int) -> bool:
 
 @inlined
 def _overlap(system: System, n: int, g: int, r: int) -> float:
-    """Overlap of the bodies at a row: the penetration less what all strips press them down there [m]."""
+    """Overlap of the bodies at a row: the penetration less the displacement (strip-sum) there [m]."""
     row = system.rows[g, r]
     x = row.x if system.memo[0].has_shifts else system.grids[g].x
     no, nb = (row.no, row.nb) if system.memo[0].curved else (0.0, 1.0)

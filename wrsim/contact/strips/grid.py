@@ -231,7 +231,7 @@ def _cubic(a: float, b: float, c: float, d: float, t: float, h: float) -> tuple[
 
 @kernel
 def place_grid_strips(wheel: PlacedWheel, rail: Rail, grid: Record, rows: Records, places: Records) -> None:
-    """Lay the strips of one grid, ``places``, between its edges and find the geometry there."""
+    """Place the strips of one grid, ``places``, between its edges by (strip-density), and find the geometry there."""
     n = places.size
     h = grid.spacing
     first, density_start = _integral(grid, rows, grid.start)

@@ -1,4 +1,4 @@
-"""What grids are laid over: lobes, parts of them, or several that are nearly one.
+"""Grids over lobes, parts of them, or several that are nearly one.
 
 Neighbouring lobes and shoulders of a lobe share a grid where the penetration between them is hardly less than on the
 chord over it, the concave hull of d(s); where it is less they have grids of their own, which end where d over the hull

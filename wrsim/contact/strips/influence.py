@@ -106,7 +106,7 @@ def turned_influence(vectors: Array, j: int, no: float, nb: float, s: float) -> 
 
 
 class Displacements(NamedTuple):
-    """Displacements (strip-sum) at a point and beside it along the rail, times pi E* or not."""
+    """Displacements at a point and beside it along the rail [m], or times pi E*."""
 
     middle: float
     fore: float
@@ -118,8 +118,8 @@ def displacement_at(
     table: Array, vectors: Array, first: int, last: int, s: float, x: float, r: float, points: int, no: float,
     nb: float, aligned: bool,
 ) -> Displacements:  # fmt: skip
-    """Displacements, times pi E*, under strips that follow each other at (x, s), x + r and x - r, or the first
-    ``points`` of these; no, nb: the normal there; aligned: x is the middle of all strips.
+    """Displacements (strip-sum), times pi E*, under strips that follow each other at (x, s), x + r and x - r, or the
+    first ``points`` of these; no, nb: the normal there; aligned: x is the middle of all strips.
 
     The coordinates in the table are computed for several strips at a time.
     """
@@ -157,7 +157,7 @@ def find_terms(
     table: Array, vectors: Array, first: int, last: int, s: float, x: float, aligned: bool, p: Array, p_xi: Array,
     lever: Array, f0: Array, f1: Array,
 ) -> None:  # fmt: skip
-    """What the derivatives of the displacement at (x, s) by strips that follow each other are made of, each (>= last,).
+    """Terms of the derivatives of (strip-sum) at (x, s) by strips that follow each other, each (>= last,).
 
     Differences of PHI, and of its slope by xi; of t f; f(1, xi, t) at both ends. aligned: as in ``displacement_at``.
     """

@@ -137,7 +137,7 @@ class VectorRows(NamedTuple):
     LIFT: int  # SIDE times nu/(1 - nu)
     LAST_SOLUTION: int  # unknowns of the last solution of a continuation
     TILT: int  # derivatives of a strip's ``tilt``
-    BEFORE: int  # two numbers of each strip from before its grid is laid anew
+    BEFORE: int  # two numbers of each strip from before its grid is placed anew
     WEIGHTED: int  # last step times the weights of its unknowns
     PRODUCT: int  # WEIGHTED times the inverse
     TERMS: int  # of `influence`: of all strips what a displacement or its derivatives are made of; last row
