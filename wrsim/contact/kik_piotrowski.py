@@ -27,8 +27,8 @@ MOST_LOBES = 6
 def bound_lobe(
     wheel: PlacedWheel, rail: Rail, model: Record, contacts: Records, i: int, left: float, right: float, lobes: Records
 ) -> int:
-    """Recess and edges of lobe i, at most ``left`` and ``right`` of the main point. Returns status bits; without
-    contact the width is zero."""
+    """Recess and edges (norm-h) of lobe i, at most ``left`` and ``right`` of the main point. Returns status bits;
+    without contact the width is zero."""
     lobe, contact = lobes[i], contacts[i]
     delta = level = contact.depth
     if model.joint and lobe.partner >= 0 and contacts[lobe.partner].depth > delta:
@@ -126,7 +126,7 @@ def press_lobes(model: Record, pose: WheelPose, lobes: Records, strips: Records,
 
 @kernel
 def own_influence(strips: Records, n: int, half_length: float) -> float:
-    """The double integral I of [S 29] over n strips that include s = 0 [m2]; half_length: x_L(0)."""
+    """The double integral I of (norm-p0), [S 29], over n strips that include s = 0 [m2]; half_length: x_L(0)."""
     total = 0.0
     width = strips[0].ds
     for i in range(n):
@@ -155,9 +155,9 @@ def far_influence(strips: Records, n: int, o: float, b: float) -> float:
 
 @kernel
 def solve_amplitudes(matrix: Array, count: int, rows: Array, amplitude: Array, pivot: Array) -> None:
-    """Amplitudes Q of all lobes. A lobe that would have to pull is lifted off by the others: its Q is zero. matrix:
-    (count, count + 1), the right-hand side in the last column; rows: scratch of the same shape; amplitude: (count,), on
-    entry 1 for lobes that take part and 0 for the others; pivot: (count,) scratch."""
+    """Amplitudes Q of all lobes (norm-lobes). A lobe that would have to pull is lifted off by the others: its Q is 0.
+    matrix: (count, count + 1), the right-hand side in the last column; rows: scratch of the same shape; amplitude:
+    (count,), on entry 1 for lobes that take part and 0 for the others; pivot: (count,) scratch."""
     for _ in range(count):
         for i in range(count):
             for j in range(count + 1):
@@ -201,7 +201,7 @@ def twice_k_minus_e(p: float, b: float, c2: float) -> float:
 
 @inlined
 def strip_potential(a: float, s: float) -> float:
-    """Integral of sqrt((a^2 - x^2) / (x^2 + s^2)) dx over -a < x < a [m].
+    """The inner integral (norm-inner) over -a < x < a [m].
 
     The displacement (times pi E*) at distance s beside a strip of unit width that carries the semi-ellipse
     sqrt(a^2 - x^2): the inner integral of [S 29]. In closed form 2 sqrt(a^2 + s^2) (K(m) - E(m)) with

@@ -76,7 +76,7 @@ def pair(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float, out_
 
 @inlined
 def _share(lobe: Record, projected: int, pair: Pair) -> float:
-    """c: share of the approach that closes the gap at a pair of points."""
+    """c (norm-c): share of the approach that closes the gap at a pair of points."""
     return pair.no * lobe.no + pair.nb * lobe.nb if projected else 1.0
 
 
@@ -90,7 +90,7 @@ def _opposite(wheel: PlacedWheel, rail: Rail, lobe: Record, arc_wheel: float, s:
 def find_edge(
     wheel: PlacedWheel, rail: Rail, lobe: Record, projected: int, first: float, direction: float, limit: float
 ) -> tuple[float, int]:
-    """Edge of the patch on one side of the main point: the first zero of h(s).
+    """Edge of the patch on one side of the main point: the first zero of h(s) (norm-h).
 
     lobe: its main point, approach and recess; first: first step along s [m]; direction: +1.0 outward, -1.0 towards the
     flange; limit: largest |s|, where a neighbouring lobe begins.

@@ -43,7 +43,7 @@ def _set_creepages(row: Record, penetration: float, pose: WheelPose, inverse: fl
 
 @kernel
 def set_creepages(pose: WheelPose, least_speed: float, lobe: Record, strips: Records, n: int) -> None:
-    """Creepages of each strip and of the main point: velocity of the wheel's material over the rolling speed.
+    """Creepages (creep-creepages) of each strip and of the main point: velocity of the wheel over the rolling speed.
 
     The rail rests. v = v_origin + omega x r on the wheel's undeformed surface, projected on the strip's (t, t_s); spin
     is omega . n(s). Writes xi, eta, phi of the strips and the lobe, and closing (rate of approach) of the lobe. The

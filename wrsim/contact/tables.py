@@ -88,7 +88,7 @@ def _kalker_table() -> tuple[Array, Array]:
 
 
 def creep_asymptotes(aspect: Array, poisson_ratio: float) -> tuple[Array, Array]:
-    """C11, C22, C23 of slender patches (n, 3), a/b to 0 or to infinity, and the order of their first missing term (n,).
+    """C11, C22, C23 of slender patches (n, 3) (creep-slender), and the order of their first missing term (n,).
 
     J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, Kluwer 1990, table E3, last rows. The strip
     theory of a patch much wider than long misses g^2 ln(1/g), the line theory of a long one the third power of

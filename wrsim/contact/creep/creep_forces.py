@@ -154,7 +154,7 @@ def _spread_polach(
     creep: Array, model: Record, strips: Records, n: int, normal: float, mean: Creepages, ellipse: Ellipse,
     direction: float,
 ) -> None:  # fmt: skip
-    """Polach's forces, over the strips in proportion to their mu N; normal: force on the ellipse [N]."""
+    """Polach's forces (creep-polach), over the strips in proportion to their mu N; normal: force on the ellipse [N]."""
     friction = load = 0.0
     for i in range(n):
         friction += strips[i].mu * strips[i].N

@@ -33,7 +33,7 @@ FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken 
 
 @kernel
 def fastrip(on: Rolling, half_length: float) -> None:
-    """Tangential forces of the strips, bound elliptic; half_length: a_0 of the equivalent ellipse [m]."""
+    """Tangential forces of the strips (creep-fastrip), elliptic bound; half_length: of the equivalent ellipse [m]."""
     strips, n, soft, direction, shape, work = on
     dx = 2.0 / shape.shape[0]
     shift = 16.0 * half_length / (3.0 * pi * pi)
@@ -56,7 +56,7 @@ def fastrip(on: Rolling, half_length: float) -> None:
 
 @kernel
 def _adhesion(x: float, y: float, psi: float) -> tuple[float, float, float]:
-    """alpha and half length d of the adhesion zone over a; x, y: xi'/a, eta'/a."""
+    """alpha and half length d of the adhesion zone over a (creep-fastrip-e); x, y: xi'/a, eta'/a."""
     size2 = x * x + y * y
     e = 1.0
     if abs(psi) < 1.0:

@@ -70,7 +70,7 @@ def fastsim(on: Rolling, mean: Creepages, peak: float) -> None:
 
 @kernel
 def fastsim_blended(on: Rolling, peak: float) -> None:
-    """The same with three flexibilities where the surfaces stick and one where they slide."""
+    """The same (creep-fastsim) with three flexibilities where the surfaces stick and one where they slide."""
     for i in range(on.n):
         begin(on.work, i, peak * largest_traction(on.strips[i]), 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     march(on, False)

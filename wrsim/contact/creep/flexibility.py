@@ -82,7 +82,7 @@ def kalker_coefficients(creep: Array, aspect: float) -> Coefficients:
 
 @kernel
 def flexibilities(creep: Array, ellipse: Ellipse, shear_modulus: float) -> Flexibilities:
-    """L1, L2, L3 on an ellipse."""
+    """L1, L2, L3 on an ellipse (creep-flex)."""
     c = kalker_coefficients(creep, ellipse.aspect)
     return Flexibilities(
         8.0 * ellipse.a / (3.0 * c.c11 * shear_modulus),

@@ -23,7 +23,7 @@ from wrsim.jit import kernel
 
 @kernel
 def linear_creep(on: Rolling, mean: Creepages, saturated: float) -> None:
-    """Forces of the strips; mean: creepages over the patch; saturated: 1 for the bound of each strip, else 0."""
+    """Forces (creep-linear) of the strips; mean: creepages over the patch; saturated: 1 with a bound, else 0."""
     strips, n, soft, direction, _shape, _work = on
     for i in range(n):
         strip = strips[i]

@@ -21,7 +21,7 @@ OUTSIDE, ADHESION, SLIP = 0.0, 1.0, 2.0
 
 
 class Equations(NamedTuple):
-    """F and its derivative.
+    """F of (hs-coulomb) and its derivative.
 
     bound: g [Pa], zero outside contact; rho [Pa]; scale: of the sums over runs in adhesion [Pa]; forward: +1 when x
     rises towards the leading edge, else -1. At the last tractions, written by `evaluate`: state (OUTSIDE, ADHESION,

@@ -107,5 +107,5 @@ def _deepest_of(i: int, contacts: Records, count: int, lobes: Records) -> int:
 
 @inlined
 def _share(depth: float, saddle: float, eps: float) -> float:
-    """1 where the saddle reaches the lobe's top, 0 where it has left its virtual penetration."""
+    """The coupling (search-coupling): 1 where the saddle reaches the lobe's top, 0 below its virtual penetration."""
     return min(max(1.0 - (depth - saddle) / (eps * depth), 0.0), 1.0)

@@ -76,7 +76,7 @@ def _cosine(s2: float) -> float:
 
 @inlined
 def locus_point(wheel: PlacedWheel, arc: float) -> Locus:
-    """Point of the locus at profile arclength ``arc``."""
+    """Point of the locus (search-locus, search-curvature) at profile arclength ``arc``."""
     origin, e, q = wheel.origin, wheel.axle, wheel.q
     profile = profile_point(wheel.profile, arc)
     u = profile.u

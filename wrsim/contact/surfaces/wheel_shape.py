@@ -119,7 +119,7 @@ def _round_angle(wheel: PlacedWheel, slope: float) -> float:
 
 @kernel
 def _settle(wheel: PlacedWheel, u: float, rho: float, slope: float, guess: float) -> Touch:
-    """The place f = 0 near a guess of theta; slope: drho/du."""
+    """The place f = 0 (oor-locus) near a guess of theta; slope: drho/du."""
     shape = wheel.shape
     lean = wheel.axle.x / wheel.q
     h = 2.0 * pi / shape.rows
@@ -261,7 +261,7 @@ def _gap(wheel: PlacedWheel, at: ProfilePoint, on: Touch, x: float) -> float:
 
 @kernel
 def mean_curvature(wheel: PlacedWheel, at: ProfilePoint, on: Touch, size: float) -> tuple[float, float]:
-    """Curvature along t over the length of contact [1/m], and how far ahead the middle of that lies [m]."""
+    """Curvature along t over the length of contact (oor-mean) [1/m], and how far ahead the middle of that lies [m]."""
     a = wheel.shape.averaged
     ahead, behind = _gap(wheel, at, on, a) / size, _gap(wheel, at, on, -a) / size
     k = max((ahead + behind) / (a * a), LEAST / (on.p * size))
