@@ -178,7 +178,7 @@ STATUS_PROFILE_END = 2  # contact reaches the end of a profile
 STATUS_TOO_DEEP = 4  # an overlap, not a contact
 STATUS_NOT_CONVERGED = 8  # the strip model was not solved, a substitute is used
 STATUS_NO_CONTACT, STATUS_OUT_OF_REACH, STATUS_DISCONTINUOUS, STATUS_LOAD_UNSOLVED = 16, 32, 512, 2048
-"""Of a prescribed load: no contact at any height; it is not met within the approach allowed; the force jumps over it;
+"""At a prescribed load: no contact at any height; it is not met within the approach allowed; the force jumps over it;
 the strip model does not meet it in the residuals allowed.
 `wrsim.contact.status` has the text of each, and every analysis reports it."""
 

@@ -83,8 +83,8 @@ def element_fields(contact: HalfSpaceContact, most: int) -> list[ElementField]:
 
 def _write_region(patch: Patch, region: Region, lobe: Any, strips: Records) -> None:
     """Lobe and strips of one region; creepages and sums are left to the kernels."""
-    grid, own, rows, columns = patch.grid, region.p, region.rows, region.columns
-    inside = own > 0.0
+    grid, pressures, rows, columns = patch.grid, region.p, region.rows, region.columns
+    inside = pressures > 0.0
     qx, qs = np.where(inside, patch.q[:, rows, columns], 0.0)
     middle = 0.5 * (region.starts + region.ends)
     main = grid.at_row(rows.start + _main_row(grid.pen[rows, columns]))
@@ -94,11 +94,11 @@ def _write_region(patch: Patch, region: Region, lobe: Any, strips: Records) -> N
     strips["ds"] = grid.ds
     strips["x"] = middle
     strips["a"] = 0.5 * (region.ends - region.starts)
-    strips["p"] = own.max(axis=1)
+    strips["p"] = pressures.max(axis=1)
     for name in ("no", "nb", "o", "b", "r_t", "slope"):
         strips[name] = axis[name]
     strips["penetration"] = -axis["gap"]
-    strips["N"] = own.sum(axis=1) * grid.cell
+    strips["N"] = pressures.sum(axis=1) * grid.cell
     strips["Fx"] = qx.sum(axis=1) * grid.cell
     strips["Fy"] = qs.sum(axis=1) * grid.cell
     strips["Mz"] = (qs * (grid.x[columns] - middle[:, None])).sum(axis=1) * grid.cell
@@ -112,7 +112,7 @@ def _write_region(patch: Patch, region: Region, lobe: Any, strips: Records) -> N
     lobe.area, lobe.p0, lobe.N = region.area, region.p0, region.normal_force
     lobe.amplitude = region.p0 / (0.5 * region.length)
     lobe.approach = float(grid.pen[rows, columns][inside].max())
-    lobe.n_strips = len(own)
+    lobe.n_strips = len(pressures)
     lobe.partner = -1
 
 
