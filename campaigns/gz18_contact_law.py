@@ -231,7 +231,7 @@ class EquivalentElasticOnTrack(VehicleOnTrack):
         return contact(np.array(model.arrays.pose), model.wheel, model.rail, model.radius, self.speed)
 
 
-def their_steady_motion(ours: solver.Found) -> tuple[EquivalentElasticOnTrack, Equilibrium]:
+def their_steady_motion(ours: solver.CurveMotion) -> tuple[EquivalentElasticOnTrack, Equilibrium]:
     """The steady motion with their contact, from that with ours, whose law it changes and leaves the contacts in."""
     law: Any = ours.law
     law.__class__ = EquivalentElasticOnTrack

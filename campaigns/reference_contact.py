@@ -201,7 +201,7 @@ def answer_of_strips(model: ContactModel, contact: Contact, place: float, repeat
         contact.force,
         contact.moment,
         strip_regions(strips, place),
-        _seconds(model.arrays.call, repeats),
+        _seconds(model.arrays.evaluate, repeats),
         float(strips["N"] @ strips["x"] / strips["N"].sum()),
     )
 
