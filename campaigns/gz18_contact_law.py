@@ -28,8 +28,6 @@ from wrsim.analysis import steady as solver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.creep.flexibility import kalker_coefficients
 from wrsim.contact.tables import creep_coefficients
-from wrsim.dynamics.kinematics import add_generalised_forces, kinematics
-from wrsim.dynamics.wheel_forces import wheel_wrench
 from wrsim.jit.linalg import Vec
 from wrsim.scenario.build import build
 from wrsim.simulation.force_law import Block, all_on_all
@@ -39,6 +37,8 @@ from wrsim.simulation.placement import TrackPoses, poses_on_track
 from wrsim.simulation.steady_state import Equilibrium, steady_state
 from wrsim.simulation.system import Array
 from wrsim.track.path_kernel import frame_at
+from wrsim.vehicle.dynamics.kinematics import add_generalised_forces, kinematics
+from wrsim.vehicle.dynamics.wheel_forces import wheel_wrench
 
 VARIANTS: dict[str, dict[str, Any]] = {
     "Kik-Piotrowski, FASTSIM": {"contact.normal": "kik-piotrowski"},

@@ -11,8 +11,8 @@
 docs/user/python.md lists what is here; ``__init__.pyi`` has the public names, for type checkers and editors as well.
 """
 
-from wrsim.lazy import homes_in as _homes_in
-from wrsim.lazy import importer as _importer
+from wrsim.inputs.lazy import homes_in as _homes_in
+from wrsim.inputs.lazy import importer as _importer
 
 __version__ = "0.2.0"
 

@@ -48,7 +48,6 @@ from wrsim.contact.profiles.models import load_profile
 from wrsim.contact.profiles.sections import circle, cone
 from wrsim.contact.settings import ContactSettings, HalfSpaceSettings, Material
 from wrsim.contact.tables import creep_coefficients
-from wrsim.dynamics import vehicle_forces
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.scenario.sections.conicity import ConicityPlan
@@ -56,6 +55,7 @@ from wrsim.simulation.modes import linearise
 from wrsim.track.segments import Arc, Straight, Transition
 from wrsim.track.sleepers import Layer, RailBeam, SleeperTrack
 from wrsim.track.track import Track
+from wrsim.vehicle.dynamics import vehicle_forces
 from wrsim.vehicle.elements import Spring
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import AxleBox, Body, Vehicle

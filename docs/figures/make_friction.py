@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from wrsim.dynamics.friction import BERG, COULOMB, FANCHER, slider_force
-from wrsim.dynamics.suspension import ELEMENT
 from wrsim.plots import new_figure, save, style
+from wrsim.vehicle.dynamics.friction import BERG, COULOMB, FANCHER, slider_force
+from wrsim.vehicle.dynamics.suspension import ELEMENT
 
 HERE = Path(__file__).parent
 LIMIT, DISTANCE = 3e3, 2e-3

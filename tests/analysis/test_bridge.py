@@ -12,11 +12,11 @@ from support.runs import FAST, SCENARIOS
 from support.vehicles import ROOT, coaches, manchester, on_track, shipped
 
 from wrsim import InputError, load, run
-from wrsim.dynamics.deck import DECK, deck_motion
-from wrsim.dynamics.flexible import MODE
 from wrsim.scenario.build import build
 from wrsim.simulation.steady_state import steady_state
 from wrsim.track.bridge import Bridge, read_bridge
+from wrsim.vehicle.dynamics.deck import DECK, deck_motion
+from wrsim.vehicle.dynamics.flexible import MODE
 
 table = rows_of(__file__)
 

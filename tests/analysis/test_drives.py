@@ -14,9 +14,9 @@ from support.vehicles import COARSE, ROOT, manchester, on_track
 
 from wrsim import Result, Scenario, load, run
 from wrsim.analysis.contacts import force_law
-from wrsim.dynamics.vehicle_forces import PIECE, motion_at
 from wrsim.scenario.build import build
 from wrsim.simulation.placement import design_state
+from wrsim.vehicle.dynamics.vehicle_forces import PIECE, motion_at
 from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Strut
 from wrsim.vehicle.loads import Effort
 from wrsim.vehicle.speed import SpeedProfile

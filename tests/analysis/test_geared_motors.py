@@ -18,8 +18,6 @@ from support.vehicles import COARSE, ROOT, on_track, read_vehicle, shipped
 from wrsim import InputError, Scenario, Straight, Track, load, run
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.start import start_state
-from wrsim.dynamics.kinematics import kinematics
-from wrsim.dynamics.rigid_body import pitched
 from wrsim.scenario.build import build
 from wrsim.simulation.bodies import mass_matrix
 from wrsim.simulation.integrate import Integration
@@ -28,6 +26,8 @@ from wrsim.simulation.modes import linearise
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import steady_state
 from wrsim.simulation.system import BodySystem
+from wrsim.vehicle.dynamics.kinematics import kinematics
+from wrsim.vehicle.dynamics.rigid_body import pitched
 from wrsim.vehicle.loads import Effort, Load
 
 table = rows_of(__file__)

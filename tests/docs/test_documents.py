@@ -26,7 +26,7 @@ from wrsim.study.task import STATUSES
 BUILT = script("docs/make_keys.py").PAGES
 """What makes the pages that exist when the site is built."""
 PAGES = [ROOT / "README.md", *sorted(set((ROOT / "docs").rglob("*.md")) - set(BUILT))]
-ROOMS = ("jit", "contact", "dynamics", "track", "analysis", "results")
+ROOMS = ("jit", "contact", "vehicle", "track", "analysis", "results")
 FOLDERS = ("wrsim", "tests", "benchmarks", "campaigns", "docs", "models", "scenarios", *ROOMS)
 
 

@@ -16,8 +16,6 @@ from support.runs import FAST, arc, straight, transition
 from support.vehicles import ROOT
 
 from wrsim import InputError, SimulationError, load, stepper
-from wrsim.dynamics import stepper as kernel
-from wrsim.dynamics.implicit_step import AHEAD
 from wrsim.simulation import step_size
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.implicit_step import ImplicitStep
@@ -25,6 +23,8 @@ from wrsim.simulation.integrate import Integration
 from wrsim.simulation.recorder import BLOCK, Checkpoint, Ending, Recorder
 from wrsim.simulation.step_size import RK44_LIMIT, SAFETY, creep_rate, eigenvalues, round_step, stable_step
 from wrsim.simulation.system import BodySystem
+from wrsim.vehicle.dynamics import stepper as kernel
+from wrsim.vehicle.dynamics.implicit_step import AHEAD
 
 BODY = Solid(1500.0, (900.0, 100.0, 900.0))
 Q0 = np.array([0.46, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -10,8 +10,6 @@ from support.pushed_rails import TRACK, push, response, rolling, standing
 from support.rows import data_rows
 from support.vehicles import on_track, shipped
 
-from wrsim.dynamics import sleepers as kernel
-from wrsim.dynamics import vehicle_forces
 from wrsim.errors import InputError
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
@@ -21,6 +19,8 @@ from wrsim.simulation.system import BodySystem
 from wrsim.track.beams import bending_mass, bending_stiffness, torsion_mass, torsion_stiffness
 from wrsim.track.bridge import Bridge
 from wrsim.track.sleepers import Layer, RailBeam, RailJoint, SleeperTrack, SupportRow
+from wrsim.vehicle.dynamics import sleepers as kernel
+from wrsim.vehicle.dynamics import vehicle_forces
 
 SPAN = Bridge.of_spans(50.0, (20.0,), 2e9, 5e3, 0.1, 5)
 LONG = [("vertical", 60.0), ("vertical", 1500.0), ("lateral", 400.0), ("lateral", 1500.0)]

@@ -8,12 +8,12 @@ import numpy as np
 
 from support.vehicles import manchester
 from wrsim import Straight, Track, Vehicle
-from wrsim.dynamics import vehicle_forces
 from wrsim.simulation import Integrator
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import BodySystem
+from wrsim.vehicle.dynamics import vehicle_forces
 from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Spring, Strut, Triple
 from wrsim.vehicle.vehicle import Body

@@ -39,8 +39,6 @@ from wrsim.contact.strips.records import UNKNOWNS_PER_STRIP, V
 from wrsim.contact.surfaces.rail import unfold
 from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
 from wrsim.contact.wheel_rail import STAGES, compile_stages, place_bodies
-from wrsim.dynamics.kinematics import first_not_finite, is_near
-from wrsim.dynamics.rigid_body import kinetic_energies
 from wrsim.jit.cache import PACKAGE, sources
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.force_law import Array, force_derivative
@@ -54,6 +52,8 @@ from wrsim.track.segments import Segment
 from wrsim.track.sleepers import Layer, RailBeam, SleeperTrack
 from wrsim.track.track import RailElasticity
 from wrsim.vehicle.axle import Axle
+from wrsim.vehicle.dynamics.kinematics import first_not_finite, is_near
+from wrsim.vehicle.dynamics.rigid_body import kinetic_energies
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
 from wrsim.vehicle.loads import Effort, Load, SlipControl
 from wrsim.vehicle.wheelset import Torsion, Wheelset

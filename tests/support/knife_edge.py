@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from support.held import held_state
 from wrsim import SimulationError, Straight, Track, Vehicle
-from wrsim.dynamics.kinematics import add_generalised_forces, kinematics
 from wrsim.jit import kernel
 from wrsim.jit.frames import point_velocity
 from wrsim.jit.linalg import Vec, add, components, cross, dot, from_components, mixed, sub
@@ -31,6 +30,7 @@ from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import Equilibrium
 from wrsim.simulation.system import COORDINATES, BodySystem
 from wrsim.track.path_kernel import frame_at, locate
+from wrsim.vehicle.dynamics.kinematics import add_generalised_forces, kinematics
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import single_wheelset
 from wrsim.vehicle.wheelset import Wheel, Wheelset

@@ -3,13 +3,13 @@
 import numpy as np
 
 from support.vehicles import on_track, shipped
-from wrsim.dynamics import sleepers as kernel
 from wrsim.simulation.integrate import Integration, Monitor, Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.rails import RailsOnSleepers
 from wrsim.simulation.steady_state import steady_state
 from wrsim.simulation.system import BodySystem
 from wrsim.track.sleepers import Layer, RailBeam, SleeperTrack
+from wrsim.vehicle.dynamics import sleepers as kernel
 
 TRACK = SleeperTrack(
     RailBeam(loss_factor=0.0), Layer((50e6, 200e6), (20e3, 30e3)), Layer((20e6, 50e6), (40e3, 60e3)), sleeper_mass=324.0

@@ -8,9 +8,9 @@ import pytest
 from support import boxes
 from support.boxes import motion
 
-from wrsim.dynamics.friction import BERG, COULOMB, FANCHER
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.placement import design_state
+from wrsim.vehicle.dynamics.friction import BERG, COULOMB, FANCHER
 from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Joint
 from wrsim.vehicle.elements import TRACK
 from wrsim.vehicle.equivalent import SMALL_STROKE, Stroke, damper_coefficient, slider_coefficients

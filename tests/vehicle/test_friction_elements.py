@@ -16,7 +16,6 @@ from support.vehicles import ROOT, manchester, shipped
 import wrsim
 from wrsim import InputError, load
 from wrsim.analysis.contacts import force_law
-from wrsim.dynamics.friction import STUCK
 from wrsim.scenario.build import build
 from wrsim.simulation import Integrator
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
@@ -26,6 +25,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import BodySystem
+from wrsim.vehicle.dynamics.friction import STUCK
 from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Joint
 from wrsim.vehicle.elements import TRACK, BilinearSpring, Element, Normal, Slider, Strut, Triple
 from wrsim.vehicle.equivalent import Stroke

@@ -24,7 +24,6 @@ from wrsim.assessment.nadal import distance_to_climb, nadal_limit
 from wrsim.contact.profiles.flange import Flank, flank_of
 from wrsim.contact.records import STATUS_TOO_DEEP
 from wrsim.contact.settings import ContactSettings, Friction
-from wrsim.dynamics import kinematics
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import Result, assemble
 from wrsim.scenario.build import Setup
@@ -37,6 +36,7 @@ from wrsim.simulation.steady_state import crept_state, lower_on_rails
 from wrsim.simulation.step_size import implicit_step
 from wrsim.simulation.system import Array, BodySystem
 from wrsim.track.segments import Straight
+from wrsim.vehicle.dynamics import kinematics
 from wrsim.vehicle.elements import ZERO, Spring
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset

@@ -19,7 +19,7 @@ The room in the order of a computation:
 ``__init__.pyi`` has the public names; they are imported when they are first used.
 """
 
-from wrsim.lazy import homes_in, importer
+from wrsim.inputs.lazy import homes_in, importer
 
 _HOMES = homes_in(__file__)
 __all__ = [*_HOMES]

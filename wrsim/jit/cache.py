@@ -41,7 +41,7 @@ PLAIN = os.environ.get("WRSIM_PLAIN_NUMBA", "0") not in ("", "0")
 """Whether numba compiles in its own way (docs/developers/numba.md), into a cache of its own."""
 
 PACKAGE = Path(__file__).parents[1]
-ROOMS = ("jit", "contact", "dynamics", "track")
+ROOMS = ("jit", "contact", "track", "vehicle/dynamics")
 """Folders of the package that have kernels."""
 FOLDER = PACKAGE / "kernels"
 ABOUT, CALL = "about.json", "call-{}.npz"

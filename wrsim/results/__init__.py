@@ -6,7 +6,7 @@ imported on first use: most commands need no dataset.
 
 from typing import TYPE_CHECKING
 
-from wrsim.lazy import importer
+from wrsim.inputs.lazy import importer
 
 if TYPE_CHECKING:
     from wrsim.results.channels import CHANNELS, Channel

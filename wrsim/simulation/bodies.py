@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.dynamics import rigid_body as kernel
+from wrsim.vehicle.dynamics import rigid_body as kernel
 from wrsim.vehicle.elements import Array
 from wrsim.vehicle.vehicle import MountedWheelset, Vehicle
 from wrsim.vehicle.wheelset import Wheelset

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.dynamics import flexible, vehicle_forces
 from wrsim.simulation.force_law import Array
 from wrsim.track.bridge import Bridge
+from wrsim.vehicle.dynamics import flexible, vehicle_forces
 from wrsim.vehicle.elements import Triple
 from wrsim.vehicle.flexible import Modes
 from wrsim.vehicle.preload import Preload

@@ -20,10 +20,10 @@ import numpy as np
 import wrsim
 from wrsim.contact import records, wheel_rail
 from wrsim.contact.library.build import shared_library
-from wrsim.dynamics import outputs, wheel_forces
-from wrsim.dynamics import stepper as kernel
 from wrsim.jit.cache import digest_of_sources
 from wrsim.simulation.stepper import Stepper
+from wrsim.vehicle.dynamics import outputs, wheel_forces
+from wrsim.vehicle.dynamics import stepper as kernel
 
 SOURCE = Path(__file__).with_name("fmu.c")
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.workspace import WARM_TOLERANCE
-from wrsim.dynamics import derivative as k
+from wrsim.vehicle.dynamics import derivative as k
 from wrsim.vehicle.elements import Array
 from wrsim.vehicle.equivalent import Stroke
 

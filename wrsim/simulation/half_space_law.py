@@ -7,12 +7,12 @@ import numpy as np
 from wrsim.contact.channels import ElementField
 from wrsim.contact.half_space.patch import HalfSpaceContact
 from wrsim.contact.half_space.strips import FORCE, MOMENT, element_fields, solve_into
-from wrsim.dynamics.kinematics import add_generalised_forces, kinematics
-from wrsim.dynamics.wheel_forces import wheel_wrench
 from wrsim.jit.linalg import Vec
 from wrsim.simulation.law import RAIL_COORDINATES, VehicleOnTrack
 from wrsim.simulation.system import Array
 from wrsim.track.path_kernel import frame_at
+from wrsim.vehicle.dynamics.kinematics import add_generalised_forces, kinematics
+from wrsim.vehicle.dynamics.wheel_forces import wheel_wrench
 
 
 class HalfSpaceOnTrack(VehicleOnTrack):

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wrsim.dynamics import implicit_step as kernel
 from wrsim.errors import SimulationError
 from wrsim.simulation.force_law import COORDINATES, SMALL, Array
+from wrsim.vehicle.dynamics import implicit_step as kernel
 
 SPECTRAL_RADIUS = 0.9
 """Factor by which generalised alpha damps the fastest oscillation in a step."""

@@ -17,12 +17,12 @@ from typing import Literal, get_args
 import numpy as np
 
 from wrsim.contact.workspace import WARM_TOLERANCE
-from wrsim.dynamics.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
 from wrsim.simulation import DEFAULT_INTEGRATOR, Integrator
 from wrsim.simulation.recorder import Cause, Checkpoint, Ending, RecordedRun, Recorder, get_states, set_states
 from wrsim.simulation.system import COORDINATES, Array, BodySystem, NotFinite, Work
+from wrsim.vehicle.dynamics.kinematics import first_not_finite
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 Monitor = Callable[[float, Array, Array], str | None]

@@ -12,10 +12,6 @@ from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ConicalWheels
 from wrsim.contact.workspace import WARM_TOLERANCE, pack
-from wrsim.dynamics import conical, friction, vehicle_forces
-from wrsim.dynamics import derivative as differences
-from wrsim.dynamics import wheel_forces as wheel_kernel
-from wrsim.dynamics.kinematics import is_near
 from wrsim.errors import SimulationError
 from wrsim.jit.compiling import use_threads
 from wrsim.jit.stages import make_ready
@@ -32,6 +28,10 @@ from wrsim.simulation.vehicle_arrays import (
 )
 from wrsim.track.sleepers import SleeperTrack
 from wrsim.track.track import Track
+from wrsim.vehicle.dynamics import conical, friction, vehicle_forces
+from wrsim.vehicle.dynamics import derivative as differences
+from wrsim.vehicle.dynamics import wheel_forces as wheel_kernel
+from wrsim.vehicle.dynamics.kinematics import is_near
 from wrsim.vehicle.equivalent import Stroke, equivalent_elements
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile

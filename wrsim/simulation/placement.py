@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wrsim.dynamics import kinematics as kernels
 from wrsim.errors import SimulationError
 from wrsim.simulation.force_law import COORDINATES, Array
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.track import path_kernel as path_kernels
 from wrsim.track.path import Path
 from wrsim.vehicle.bogies import wheelsets_beneath
+from wrsim.vehicle.dynamics import kinematics as kernels
 
 SPIN = COORDINATES.index("spin")
 

@@ -27,10 +27,10 @@ from wrsim.contact.pose import Pose
 from wrsim.contact.prescribed_load import SEARCHING, approach_of, begin_search, meet_load, next_height
 from wrsim.contact.records import STATUS_DISCONTINUOUS, STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
 from wrsim.contact.status import REMARKS, SUBSTITUTED, TOO_MANY, UNMET, UNSOLVED, status_words
-from wrsim.dynamics.kinematics import kinematics
-from wrsim.dynamics.wheel_forces import set_pose, wheel_wrench
 from wrsim.jit.frames import Frame
 from wrsim.jit.linalg import Vec
+from wrsim.vehicle.dynamics.kinematics import kinematics
+from wrsim.vehicle.dynamics.wheel_forces import set_pose, wheel_wrench
 
 ROLLING_SPEED = 2.0  # of the quasi-static rolling [m/s]; creepages do not depend on it
 CLEARANCE = 0.02  # of the centre above a wheel's radius, from where it is let down [m]

@@ -9,8 +9,8 @@ from typing import Any
 
 from wrsim.contact.records import CONTACT, CREEP_FORCES, FREE_STRIPS
 from wrsim.contact.wheel_rail import compile_stages
-from wrsim.dynamics import derivative, vehicle_forces, wheel_forces
 from wrsim.jit.stages import ARGUMENTS
+from wrsim.vehicle.dynamics import derivative, vehicle_forces, wheel_forces
 
 LARGE: tuple[tuple[Any, Any], ...] = (
     (wheel_forces.one_wheel, ARGUMENTS),

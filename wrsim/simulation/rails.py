@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.dynamics import sleepers as kernel
 from wrsim.errors import InputError
 from wrsim.jit import Array, Ints
 from wrsim.simulation.implicit_step import METHOD, GeneralizedAlpha
 from wrsim.track.sleepers import SleeperTrack
 from wrsim.track.track import RailElasticity, Track
+from wrsim.vehicle.dynamics import sleepers as kernel
 
 MOVE = 6
 """Bays by which the window moves at once where they differ."""

@@ -12,8 +12,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.dynamics import rigid_body as kernels
-from wrsim.dynamics.kinematics import HEADING, X, Y
 from wrsim.errors import SimulationError
 from wrsim.jit.linalg import Vec
 from wrsim.simulation.bodies import inertia_table
@@ -23,6 +21,8 @@ from wrsim.simulation.newton import DIFFERENCE, Terms, damped_newton, relax, roo
 from wrsim.simulation.placement import design_state, turn_gears
 from wrsim.simulation.system import COORDINATES, Array
 from wrsim.track.path_kernel import frame_at
+from wrsim.vehicle.dynamics import rigid_body as kernels
+from wrsim.vehicle.dynamics.kinematics import HEADING, X, Y
 
 SMALL_WHEELSET = {"z": 1e-5, "x": 1e-3, "y": 1e-4, "heading": 1e-4, "roll": 1e-5, "spin": 1e-2}
 SMALL_BODY = {"z": 1e-4, "x": 1e-3, "y": 1e-3, "heading": 1e-3, "roll": 1e-3, "spin": 1e-4}

@@ -5,9 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from wrsim.dynamics import outputs, vehicle_forces
-from wrsim.dynamics import stepper as kernel
-from wrsim.dynamics.wheel_forces import OFF_TRACK
 from wrsim.errors import InputError, SimulationError, suggest
 from wrsim.inputs.section import SIDES
 from wrsim.simulation import law as laws
@@ -17,6 +14,9 @@ from wrsim.simulation.implicit_step import METHOD
 from wrsim.simulation.integrate import CONTACT_TOLERANCE
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import Array
+from wrsim.vehicle.dynamics import outputs, vehicle_forces
+from wrsim.vehicle.dynamics import stepper as kernel
+from wrsim.vehicle.dynamics.wheel_forces import OFF_TRACK
 from wrsim.vehicle.elements import Strut
 from wrsim.vehicle.loads import Effort, Turned
 from wrsim.vehicle.vehicle import Vehicle

@@ -1,6 +1,6 @@
 """Rigid bodies as an Exudyn system with one force law for all of them.
 
-Each body is a node ``NodeRigidBodyRxyz`` with permuted global axes (see ``wrsim.dynamics.kinematics``):
+Each body is a node ``NodeRigidBodyRxyz`` with permuted global axes (see ``wrsim.vehicle.dynamics.kinematics``):
 coordinates (z, x, y, heading, roll, spin), six a body, one body after the other. One ``ObjectGenericODE2``
 calls the force law. This is the only file that imports Exudyn: quietly, and the fast module unless chosen otherwise
 (``sys.exudynFast = False`` gives the one that checks ranges; the tests use it).
@@ -18,13 +18,13 @@ from typing import Any, cast
 import numpy as np
 import scipy
 
-from wrsim.dynamics.implicit_step import CONTRACTION
-from wrsim.dynamics.kinematics import first_not_finite
 from wrsim.errors import SimulationError
 from wrsim.simulation import Integrator
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, Forces, force_derivative
 from wrsim.simulation.implicit_step import NOT_SOLVED, SPECTRAL_RADIUS, ImplicitStep, NotSolved
+from wrsim.vehicle.dynamics.implicit_step import CONTRACTION
+from wrsim.vehicle.dynamics.kinematics import first_not_finite
 
 if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
     sys.exudynFast = True  # type: ignore[attr-defined]

@@ -9,13 +9,6 @@ from numpy.typing import NDArray
 
 from wrsim.contact.arrays import TABLES as TABLES_OF_A_WHEEL
 from wrsim.contact.model import ContactModel
-from wrsim.dynamics import deck as deck_kernel
-from wrsim.dynamics import friction, outputs, suspension, vehicle_forces
-from wrsim.dynamics import loads as load_kernel
-from wrsim.dynamics import rigid_body as body_kernel
-from wrsim.dynamics import stepper as step_kernel
-from wrsim.dynamics import wheel_forces as wheel_kernel
-from wrsim.dynamics.suspension import ELEMENT
 from wrsim.jit.frames import BODY
 from wrsim.simulation.bodies import bodies_of, inertia_table
 from wrsim.simulation.flexible_arrays import Attachments, mode_records
@@ -24,6 +17,13 @@ from wrsim.track.bridge import Bridge
 from wrsim.track.sleepers import SleeperTrack
 from wrsim.track.track import RailElasticity, Track
 from wrsim.vehicle.bogies import holders_of
+from wrsim.vehicle.dynamics import deck as deck_kernel
+from wrsim.vehicle.dynamics import friction, outputs, suspension, vehicle_forces
+from wrsim.vehicle.dynamics import loads as load_kernel
+from wrsim.vehicle.dynamics import rigid_body as body_kernel
+from wrsim.vehicle.dynamics import stepper as step_kernel
+from wrsim.vehicle.dynamics import wheel_forces as wheel_kernel
+from wrsim.vehicle.dynamics.suspension import ELEMENT
 from wrsim.vehicle.elements import Tables
 from wrsim.vehicle.loads import Drive, LoadAxes, Over
 from wrsim.vehicle.preload import Preload, normal_loads, preloads

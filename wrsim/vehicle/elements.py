@@ -85,7 +85,7 @@ class Slider:
 
     def write(self, row: Any, tables: Tables, directions: int = 1, at_rest: float = 0.0) -> None:
         """Write its law to a record ELEMENT; directions: in which it slips; at_rest: its element's own force [N]."""
-        from wrsim.dynamics import friction as kernel
+        from wrsim.vehicle.dynamics import friction as kernel
 
         row.slider = {"coulomb": kernel.COULOMB, "fancher": kernel.FANCHER, "berg": kernel.BERG}[self.law]
         row.stick, row.stick_damping, row.bound = self.stiffness, self.damping, self.bound
@@ -185,7 +185,7 @@ class Spring(Element):
         return any(self.turning_stiffness) or any(self.turning_damping)
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
-        from wrsim.dynamics import suspension as kernel
+        from wrsim.vehicle.dynamics import suspension as kernel
 
         row.kind = kernel.SHEAR if self.column else kernel.FIELD
         row.stiffness, row.damping, row.preload = self.stiffness, self.damping, tuple(preload)
@@ -252,7 +252,7 @@ class Strut(Element):
         return np.array(self.ends[1]) - np.array(self.ends[0])
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
-        from wrsim.dynamics import suspension as kernel
+        from wrsim.vehicle.dynamics import suspension as kernel
 
         row.kind = kernel.LINE if self.axis is None else kernel.AXIS
         row.direction = self.axis or 0
@@ -310,7 +310,7 @@ class PlaneFriction(Element):
         return np.delete(np.eye(3), self.across, axis=0)
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
-        from wrsim.dynamics import suspension as kernel
+        from wrsim.vehicle.dynamics import suspension as kernel
 
         row.kind, row.direction = kernel.PLANE, self.across
         if self.slider is not None:

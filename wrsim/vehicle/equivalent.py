@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.dynamics import friction
+from wrsim.vehicle.dynamics import friction
 
 Array = NDArray[np.float64]
 

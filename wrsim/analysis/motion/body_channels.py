@@ -5,9 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from wrsim.dynamics import vehicle_forces
-from wrsim.dynamics.kinematics import kinematics
-from wrsim.dynamics.rigid_body import kinetic_energies, pitched
 from wrsim.inputs.section import SIDES
 from wrsim.simulation.bodies import accelerations, inertia_table
 from wrsim.simulation.integrate import Motion
@@ -17,6 +14,9 @@ from wrsim.simulation.system import COORDINATES, Array
 from wrsim.track import path_kernel as path_kernels
 from wrsim.track.track import Track
 from wrsim.vehicle.axle import AxleModes
+from wrsim.vehicle.dynamics import vehicle_forces
+from wrsim.vehicle.dynamics.kinematics import kinematics
+from wrsim.vehicle.dynamics.rigid_body import kinetic_energies, pitched
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.vehicle import MeasuringPoint, Vehicle
 

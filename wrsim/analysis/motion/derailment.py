@@ -20,12 +20,12 @@ from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.records import STATUS_TOO_DEEP
 from wrsim.contact.status import status_words
 from wrsim.contact.wheel_rail import DEEPEST
-from wrsim.dynamics.watch import WATCH
 from wrsim.errors import InputError
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.track.cant import cant_angle
+from wrsim.vehicle.dynamics.watch import WATCH
 from wrsim.vehicle.vehicle import Vehicle
 
 DROP = 15e-3  # depth of the tape circle below the top of its rail at which a wheel has left the rail's head [m]

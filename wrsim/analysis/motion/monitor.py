@@ -16,13 +16,13 @@ from wrsim.analysis.motion.derailment import WatchedWheel, overlap, watched, whe
 from wrsim.analysis.motion.messages import Derailment, Event, EventKind, end_words, stop_words
 from wrsim.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.contact.status import bits_of
-from wrsim.dynamics import watch as kernel
-from wrsim.dynamics.vehicle_forces import FIRST_WHEEL
 from wrsim.jit.arena import record
 from wrsim.simulation.integrate import EXPLICIT_PARTS
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.step_size import STEPS_OF_A_PERIOD, growing_modes
 from wrsim.simulation.system import Array, Work
+from wrsim.vehicle.dynamics import watch as kernel
+from wrsim.vehicle.dynamics.vehicle_forces import FIRST_WHEEL
 
 log = logging.getLogger(__name__)
 

@@ -110,10 +110,11 @@ def _digests(setup: Setup) -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def code_digest() -> str:
-    """Digest of all sources of wrsim."""
+    """Digest of all sources of wrsim and of their tables."""
     digest = hashlib.sha256()
     root = Path(wrsim.__file__).parent
-    for source in sorted(root.rglob("*.py")):
+    files = (path for ending in ("py", "toml", "csv") for path in root.rglob(f"*.{ending}"))
+    for source in sorted(path for path in files if root / "models" not in path.parents):
         digest.update(str(source.relative_to(root)).encode())
         digest.update(source.read_bytes())
     return digest.hexdigest()[:32]

@@ -20,7 +20,6 @@ from wrsim.contact.models import NORMAL_MODELS
 from wrsim.contact.search import locus
 from wrsim.contact.strips import equations
 from wrsim.contact.surfaces.out_of_round import Flat
-from wrsim.dynamics import derivative, implicit_step, kinematics, rigid_body, vehicle_forces, watch, wheel_forces
 from wrsim.errors import InputError, SimulationError
 from wrsim.jit.compiling import COUNT, Kernel
 from wrsim.jit.stages import compile_in_background
@@ -41,6 +40,15 @@ from wrsim.timing import timed
 from wrsim.track import path_kernel as path_kernels
 from wrsim.track.segments import Straight
 from wrsim.track.sleepers import SleeperTrack
+from wrsim.vehicle.dynamics import (
+    derivative,
+    implicit_step,
+    kinematics,
+    rigid_body,
+    vehicle_forces,
+    watch,
+    wheel_forces,
+)
 
 log = logging.getLogger(__name__)
 

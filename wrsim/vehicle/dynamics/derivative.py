@@ -6,9 +6,9 @@ Appl. 13 (1974) 117).
 
 from typing import Any
 
-from wrsim.dynamics.vehicle_forces import add_forces_on_bodies, add_forces_on_wheels
 from wrsim.jit.arena import Array, Ints
 from wrsim.jit.compiling import kernel
+from wrsim.vehicle.dynamics.vehicle_forces import add_forces_on_bodies, add_forces_on_wheels
 
 HERE, HERE_RATE, STATE, RATE, MORE, MORE_RATE, SPAN, UP, DOWN = range(9)
 """Rows (size,) to compute with: the state and its rates, those that are changed, by how much, over how much of a

@@ -10,11 +10,11 @@ a small part of the residual.
 
 from math import cos, isfinite, sin, sqrt
 
-from wrsim.dynamics.kinematics import HEADING, X, Y
-from wrsim.dynamics.rigid_body import INERTIA, mass_block, quadratic_forces
-from wrsim.dynamics.vehicle_forces import vehicle_forces
 from wrsim.jit import Array, Ints, Records, kernel, matrix, record, records
 from wrsim.jit.dense import multiply
+from wrsim.vehicle.dynamics.kinematics import HEADING, X, Y
+from wrsim.vehicle.dynamics.rigid_body import INERTIA, mass_block, quadratic_forces
+from wrsim.vehicle.dynamics.vehicle_forces import vehicle_forces
 
 STEP = record("""
     h           [s]   step

@@ -17,11 +17,11 @@ moments of inertia J_d of its sections and the sums g_k = sum J_d psi_k and G_kl
 Axes of a wheelset do not spin, so its modes are bending in two planes that stand still.
 """
 
-from wrsim.dynamics.kinematics import SPIN
-from wrsim.dynamics.suspension import in_body_axes, material_point
 from wrsim.jit import Array, Records, inlined, kernel, record
 from wrsim.jit.frames import VECTOR, BodyMotion, accumulate, get_body, point_velocity, put_body, vec
 from wrsim.jit.linalg import ZERO, Vec, add, cross, dot, from_components, scale, shifted, sub
+from wrsim.vehicle.dynamics.kinematics import SPIN
+from wrsim.vehicle.dynamics.suspension import in_body_axes, material_point
 
 MODE = record(
     """

@@ -3,15 +3,15 @@
 The workspace is that of ``dynamics.stepper``. A body is placed against the frame of the centre line beside it.
 """
 
-from wrsim.dynamics.kinematics import X, Y, Z, kinematics, pose_in_track
-from wrsim.dynamics.rigid_body import PITCH, pitched
-from wrsim.dynamics.stepper import Q_T, Q_TT, SEEN, STATE, VEHICLE_ARRAYS, WHEELS, Q
-from wrsim.dynamics.vehicle_forces import CENTRE, FIRST_WHEEL, PART, PARTS, VEHICLE, WHOLE
-from wrsim.dynamics.wheel_forces import OFF_TRACK, wheel_total
 from wrsim.jit import Array, Ints, kernel, matrix, record, records
 from wrsim.jit.frames import CurveNodes
 from wrsim.jit.linalg import Vec, dot
 from wrsim.track.path_kernel import NODE, frame_at, locate
+from wrsim.vehicle.dynamics.kinematics import X, Y, Z, kinematics, pose_in_track
+from wrsim.vehicle.dynamics.rigid_body import PITCH, pitched
+from wrsim.vehicle.dynamics.stepper import Q_T, Q_TT, SEEN, STATE, VEHICLE_ARRAYS, WHEELS, Q
+from wrsim.vehicle.dynamics.vehicle_forces import CENTRE, FIRST_WHEEL, PART, PARTS, VEHICLE, WHOLE
+from wrsim.vehicle.dynamics.wheel_forces import OFF_TRACK, wheel_total
 
 BODY_SEEN = record("""
     distance       [m]     distance of the centre of mass along the centre line (a guess, updated)

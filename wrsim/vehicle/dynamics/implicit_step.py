@@ -16,10 +16,10 @@ Failure: where new Jacobians predict less than half of the change, the force is 
 
 from math import isfinite, sqrt
 
-from wrsim.dynamics.kinematics import first_not_finite
 from wrsim.jit.arena import Array, Record, Records, record
 from wrsim.jit.compiling import inlined, kernel, reassociating_kernel
 from wrsim.jit.dense import copy, factorise, solve_factorised
+from wrsim.vehicle.dynamics.kinematics import first_not_finite
 
 CONTRACTION = 0.5
 """Newton's method retains its Jacobian as long as an iteration reduces the residual below this part of it."""

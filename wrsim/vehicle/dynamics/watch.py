@@ -7,9 +7,9 @@ Arrays of the wheels in an arena as in ``dynamics.wheel_forces``; one record WAT
 from wrsim.contact.arrays import Arrays
 from wrsim.contact.records import LOBE
 from wrsim.contact.strips.records import MEMO
-from wrsim.dynamics.wheel_forces import ARRAYS, IN_CONTACT, POSE, wheel_total
 from wrsim.jit.arena import Array, Ints, Records, record, records, vector
 from wrsim.jit.compiling import kernel
+from wrsim.vehicle.dynamics.wheel_forces import ARRAYS, IN_CONTACT, POSE, wheel_total
 
 WATCH = record("""
     level       [m]   height of the axle with the tape circle on the rail's top

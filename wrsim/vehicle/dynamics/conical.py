@@ -15,11 +15,11 @@ dampers under the wheels.
 
 from math import sqrt
 
-from wrsim.dynamics.kinematics import add_generalised_forces, kinematics
 from wrsim.jit import Array, Record, Records, kernel, record
 from wrsim.jit.frames import BodyMotion, CurveNodes, Frame, point_velocity
 from wrsim.jit.linalg import Vec, add, cross, dot, from_components, mixed, shifted, sub
 from wrsim.track.path_kernel import frame_at, locate
+from wrsim.vehicle.dynamics.kinematics import add_generalised_forces, kinematics
 
 CONICAL = record("""
     conicity        [1]     slope of the cone

@@ -30,11 +30,11 @@ How fast w itself changes in a transition is left out.
 
 from math import cos, sin
 
-from wrsim.dynamics.kinematics import HEADING, ROLL, SPIN, X, Y, Z, add_generalised_forces, kinematics
 from wrsim.jit import Array, Record, Records, inlined, kernel, record
 from wrsim.jit.frames import BodyMotion, CurveNodes, accumulate, point_velocity, vec
 from wrsim.jit.linalg import Vec, add, components, cross, dot, from_components, mixed, scale, shifted, sub
 from wrsim.track.path_kernel import frame_at, frame_rates, locate
+from wrsim.vehicle.dynamics.kinematics import HEADING, ROLL, SPIN, X, Y, Z, add_generalised_forces, kinematics
 
 PITCH = SPIN
 

@@ -29,10 +29,10 @@ across one axis of the first body. The bound of a slider's force is constant, or
 
 from typing import Any, NamedTuple
 
-from wrsim.dynamics.friction import MOVING, NO_SLIDER, relaxed_force, slide, slider_force
 from wrsim.jit import Array, Record, Records, inlined, kernel, record
 from wrsim.jit.frames import VECTOR, BodyMotion, accumulate, get_body, point_velocity, put, vec
 from wrsim.jit.linalg import ZERO, Vec, add, components, cross, dot, from_components, mixed, norm, scale, shifted, sub
+from wrsim.vehicle.dynamics.friction import MOVING, NO_SLIDER, relaxed_force, slide, slider_force
 
 FIELD, SHEAR, AXIS, LINE, PLANE = range(5)
 """Kinds of elements."""

@@ -11,7 +11,6 @@ from support.knife_edge import bare_wheelset
 from support.paths import curvature, locate
 
 from wrsim import Arc, Straight, Track, Transition
-from wrsim.dynamics import kinematics as wheelset
 from wrsim.errors import SimulationError
 from wrsim.jit.frames import BodyMotion, point_velocity
 from wrsim.jit.linalg import Vec
@@ -22,6 +21,7 @@ from wrsim.simulation.system import BodySystem
 from wrsim.track import path_kernel as core
 from wrsim.track import path_kernel as path
 from wrsim.track.path import COLUMNS, Path
+from wrsim.vehicle.dynamics import kinematics as wheelset
 from wrsim.vehicle.vehicle import single_wheelset
 
 TO_GLOBAL = [1, 2, 0]  # Exudyn's axes are (z, x, y)

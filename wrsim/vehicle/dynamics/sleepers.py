@@ -30,11 +30,11 @@ from math import hypot, inf, sqrt
 from typing import NamedTuple
 
 from wrsim.contact.records import LOBE, read_pose
-from wrsim.dynamics.wheel_forces import ARRAYS, IN_CONTACT, LOBES, POSE, pose_on_rail, wheel_record, wheel_total
 from wrsim.jit import Array, Ints, Record, Records, inlined, kernel, record, records, vector
 from wrsim.jit.linalg import ZERO, Vec, add, cross, norm, scale, shifted, sub
 from wrsim.jit.root import neighbours
 from wrsim.track.banded import factorise_bands, invert_band, quadratic_form, solve_bands, subtract_product
+from wrsim.vehicle.dynamics.wheel_forces import ARRAYS, IN_CONTACT, LOBES, POSE, pose_on_rail, wheel_record, wheel_total
 
 WHEEL_ON_RAIL = record("""
     side          [1]   +1 left, -1 right

@@ -37,9 +37,14 @@ in a transition is left out of its velocity.
 
 from math import cos, hypot, sin
 
-from wrsim.dynamics import loads
-from wrsim.dynamics.deck import DECK, deck_motion, push_deck
-from wrsim.dynamics.flexible import (
+from wrsim.jit import Array, Ints, Record, Records, block, kernel, matrix, record, records, stages
+from wrsim.jit.frames import BODY, BodyMotion, CurveNodes, get_body, put, put_body, vec
+from wrsim.jit.linalg import ZERO, Vec, add, cross, dot, mixed, scale, shifted, sub
+from wrsim.jit.root import neighbours
+from wrsim.track.path_kernel import NODE, frame_at, frame_rates
+from wrsim.vehicle.dynamics import loads
+from wrsim.vehicle.dynamics.deck import DECK, deck_motion, push_deck
+from wrsim.vehicle.dynamics.flexible import (
     ATTACHMENT,
     MODE,
     at_wheel,
@@ -50,15 +55,10 @@ from wrsim.dynamics.flexible import (
     vibrate,
     wheel_on_axle,
 )
-from wrsim.dynamics.kinematics import SPIN, add_generalised_forces, kinematics
-from wrsim.dynamics.rigid_body import AXLE_BOX, PITCH, hand_over, on_axle, pitched
-from wrsim.dynamics.suspension import ELEMENT, READING, WRENCH, Suspension, suspension_forces
-from wrsim.dynamics.wheel_forces import ARRAYS, OFF_TRACK, place_on_rail, wheel_record, wheel_total
-from wrsim.jit import Array, Ints, Record, Records, block, kernel, matrix, record, records, stages
-from wrsim.jit.frames import BODY, BodyMotion, CurveNodes, get_body, put, put_body, vec
-from wrsim.jit.linalg import ZERO, Vec, add, cross, dot, mixed, scale, shifted, sub
-from wrsim.jit.root import neighbours
-from wrsim.track.path_kernel import NODE, frame_at, frame_rates
+from wrsim.vehicle.dynamics.kinematics import SPIN, add_generalised_forces, kinematics
+from wrsim.vehicle.dynamics.rigid_body import AXLE_BOX, PITCH, hand_over, on_axle, pitched
+from wrsim.vehicle.dynamics.suspension import ELEMENT, READING, WRENCH, Suspension, suspension_forces
+from wrsim.vehicle.dynamics.wheel_forces import ARRAYS, OFF_TRACK, place_on_rail, wheel_record, wheel_total
 
 # arrays before those of the wheels
 (

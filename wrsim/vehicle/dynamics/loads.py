@@ -49,13 +49,13 @@ the speed of its middle.
 
 from typing import NamedTuple
 
-from wrsim.dynamics.kinematics import SPIN
-from wrsim.dynamics.suspension import apply, material_point
 from wrsim.jit import Array, Record, Records, inlined, kernel, record
 from wrsim.jit.frames import VECTOR, BodyMotion, CurveNodes, accumulate, get_body, put, vec, vec_at
 from wrsim.jit.linalg import Vec, components, cross, dot, from_components, mixed, scale, sub
 from wrsim.jit.root import neighbours
 from wrsim.track.path_kernel import frame_at, locate
+from wrsim.vehicle.dynamics.kinematics import SPIN
+from wrsim.vehicle.dynamics.suspension import apply, material_point
 
 LOAD = record(
     """
