@@ -34,15 +34,12 @@ MEANINGS: dict[int, dict[str, tuple[str, str]]] = {}
 """Unit and meaning of the fields of records, by the identity of the type."""
 
 
-def record(fields: str = "", integers: str = "", **parts: Any) -> Any:
+def record(fields: str, **parts: Any) -> Any:
     """Type of a record of 8-byte numbers; ``row.name`` reads and writes, compiled or not.
 
     fields: a line each, ``name [unit] meaning``; the unit ``[int]`` makes a whole number, a name among ``parts`` has
     that type, of another record.
     """
-    if "\n" not in fields:
-        kinds = [(name, "f8") for name in fields.split()] + [(name, "i8") for name in integers.split()]
-        return np.dtype((np.record, np.dtype(kinds + list(parts.items()), align=True)))
     rows = [re.fullmatch(r"(\w+) +\[(.+?)\] *(.*)", line.strip()) for line in fields.strip().split("\n")]
     if not all(rows):
         raise ValueError(f"a field needs name, [unit] and meaning: {fields}")

@@ -8,7 +8,11 @@ from typing import Any, NamedTuple
 from wrsim.jit import Array, Record, inlined, record
 from wrsim.jit.linalg import Vec, add, cross, sub
 
-VECTOR = record("x y z")
+VECTOR = record("""
+    x [unit] first component
+    y [unit] second component
+    z [unit] third component
+""")
 """A vector in the axes and the unit of the field that holds it."""
 BODY = record(
     """

@@ -27,10 +27,20 @@ from wrsim.contact.surfaces.wheel_shape import depth_at
 from wrsim.jit import Array, Ints, Record, Records, inlined, kernel, record
 from wrsim.jit.linalg import Vec, dot, norm, shifted, sub
 
-AXIS = record("s x o b no nb arc_wheel arc_rail gap r_t slope")
-"""A row of the axis: s, centre (x of the outline, o, b), normal from rail to wheel (no, nb), arclengths on wheel and
-rail, gap along the normal of the true position (negative: interpenetration), radius of curvature along the rail, slope
-of the rail along the track."""
+AXIS = record("""
+    s         [m]  place along the curved axis
+    x         [m]  centre along the track, that of the wheel's outline
+    o         [m]  centre, outward
+    b         [m]  centre, up
+    no        [1]  outward component of the normal from rail to wheel
+    nb        [1]  upward component of the normal
+    arc_wheel [m]  arclength on the wheel
+    arc_rail  [m]  arclength on the rail
+    gap       [m]  along the normal of the true position, negative where the bodies interpenetrate
+    r_t       [m]  radius of curvature along the rail
+    slope     [1]  of the rail along the track
+""")
+"""A row of the curved axis."""
 
 NO_SURFACE = -1.0  # interpenetration where the normal meets no wheel or no rail [m]
 ACCURACY = 2e-10  # of the gap [m]
