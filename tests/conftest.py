@@ -3,7 +3,9 @@
 import gc
 import os
 import sys
+from collections.abc import Callable
 from importlib.util import find_spec
+from pathlib import Path
 
 # two threads that share the small matrices of a vehicle wait awake for each other: fifty times the processor time
 # where all cores are busy; read when numpy is imported
@@ -68,6 +70,18 @@ def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
 def sketched(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures are put together and not painted."""
     sketch(monkeypatch)
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Callable[..., Path]:
+    """Write a text file; returns its path."""
+
+    def writer(text: str, name: str = "points.csv") -> Path:
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return writer
 
 
 FIRST = (

@@ -1,12 +1,11 @@
 """Files of points as programs write them, through commands and scenarios: what is stated, assumed, refused."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 from support.commands import call, ok
-from support.profile_texts import BACK, lines, measures, miniprof, moved, nodes
+from support.profile_texts import BACK, S1002, lines, measures, miniprof, moved, nodes
 
 from wrsim import InputError, Profile, load, load_profile
 from wrsim.contact.profiles.files import read_points
@@ -16,17 +15,6 @@ from wrsim.scenario.build import build
 
 WHEEL, RAIL = load_profile("wheels/S1002.toml"), load_profile("rails/60E1.toml")
 POINTS = nodes(WHEEL)
-S1002 = (28.0, 32.5, 10.794)  # Sh, Sd, qR of EN 13715 [mm]
-
-
-@pytest.fixture
-def write(tmp_path):
-    def writer(text: str, name: str) -> Path:
-        path = tmp_path / name
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return writer
 
 
 @pytest.mark.usefixtures("sketched")

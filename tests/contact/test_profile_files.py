@@ -35,18 +35,6 @@ def rows(profile: Profile, u: float = 1e3, w: float = 1e3, order: int = 1, betwe
     return "".join(f"{a:.12f}{between}{b:.12f}\n" for a, b in pairs)
 
 
-@pytest.fixture
-def write(tmp_path):
-    """Write a text file; returns its path."""
-
-    def writer(text: str, name: str = "points.csv") -> Path:
-        path = tmp_path / name
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return writer
-
-
 SHAPES = [
     WHEEL,
     RAIL,

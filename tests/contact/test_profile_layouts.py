@@ -5,7 +5,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.profile_texts import BACK, cases, guide, lines, measures, miniprof, moved, nodes, outcome, simpack, vampire
+from support.profile_texts import (
+    BACK,
+    S1002,
+    cases,
+    guide,
+    lines,
+    measures,
+    miniprof,
+    moved,
+    nodes,
+    outcome,
+    simpack,
+    vampire,
+)
 
 from wrsim import InputError, load_profile
 from wrsim.contact.profiles.files import read_points
@@ -25,17 +38,6 @@ FACE = np.concatenate(
     ]
 )
 """S1002 with its outer face: a corner of 4 mm and 36 mm up."""
-S1002 = (28.0, 32.5, 10.794)  # Sh, Sd, qR of EN 13715 [mm]
-
-
-@pytest.fixture
-def write(tmp_path):
-    def writer(text: str, name: str) -> Path:
-        path = tmp_path / name
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return writer
 
 
 @pytest.mark.parametrize("name", ["wheels/S1002_worn.toml", "rails/60E1_worn.toml"])

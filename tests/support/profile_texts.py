@@ -15,6 +15,7 @@ from wrsim.contact.profiles.flange import flange_dimensions
 
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4}
 DIGITS = {"mm": 5, "cm": 6, "m": 8, "in": 7}
+S1002 = (28.0, 32.5, 10.794)  # Sh, Sd, qR of EN 13715 [mm]
 BACK = 70.0
 RIGHT = 5e-3  # distance of the points from the profile that was written [mm], some rounding and a spline
 Points = NDArray[np.float64]
