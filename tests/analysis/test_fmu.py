@@ -11,7 +11,7 @@ import numba
 import numpy as np
 import pytest
 from support.commands import refusal
-from support.objects import kept_object
+from support.objects import kept_objects
 from support.runs import FAST, arc, straight, transition
 from support.vehicles import ROOT
 
@@ -79,7 +79,7 @@ class Unit(FMU3Slave):
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("wrsim.contact.library.build.emit_object", kept_object)
+        patch.setattr("wrsim.contact.library.build.emit_objects", kept_objects)
         return Path(write_unit(COACH, tmp_path_factory.mktemp("unit") / "coach.fmu").files[0])
 
 

@@ -99,12 +99,14 @@ def _run(number: int, buffer: Array, index: Ints) -> int:
 def _call(context: Any, builder: Any, signature: Any, args: Any) -> Any:
     """Code for a call of the address in the table under a number."""
     number, *workspace = args
-    convention = context.call_conv
+    convention, word = context.call_conv, ir.IntType(64)
     kind = convention.get_function_type(types.int64, ARGUMENTS).as_pointer()
     table_address = builder.module.globals.get(SYMBOL)
     if table_address is None:
-        table_address = ir.GlobalVariable(builder.module, kind.as_pointer(), SYMBOL)
-    stage = builder.load(builder.gep(builder.load(table_address), [number]))
+        table_address = ir.GlobalVariable(builder.module, word, SYMBOL)
+    # whole numbers of 64 bits, also where pointers are shorter
+    place = builder.add(builder.load(table_address), builder.shl(number, word(3)))
+    stage = builder.inttoptr(builder.load(builder.inttoptr(place, word.as_pointer())), kind)
     _, status = convention.call_function(builder, stage, types.int64, ARGUMENTS, workspace)
     return status
 

@@ -1,8 +1,7 @@
 /* A vehicle as a co-simulation unit of FMI 3.0: numbers in, steps, numbers out.
  *
- * fmu.h is written by the build: the vehicle's workspace as the file fmu.bin (index, then buffer, see
- * wrsim.jit.arena), where in the buffer each variable is, and their names. All that changes is in the buffer, so
- * a state is a copy of it. Signatures are those of fmi3Functions.h, version 3.0. */
+ * The build gives the vehicle's workspace as wrsim_fmu (index, then buffer, see wrsim.jit.arena), and writes fmu.h:
+ * where in the buffer each variable is, and their names. All that changes is in the buffer, so a state is a copy of it. Signatures are those of fmi3Functions.h, version 3.0. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -12,14 +11,12 @@
 #include "runtime.h"
 #include "fmu.h"
 
-#define EXPORT __attribute__((visibility("default")))
 #define PART 1e-6 /* of a step: a communication step may miss a whole number of steps by so much */
 
 enum { OK = 0, ERROR = 3 };
 enum { INSTANTIATED, INITIALIZATION, STEPS, TERMINATED, FAILED };
 static const char *const modes[] = {"instantiated", "in initialization", "in step mode", "terminated", "failed"};
 
-__asm__(".pushsection .rodata\n.balign 64\nwrsim_fmu:\n.incbin \"fmu.bin\"\n.popsection");
 extern HIDDEN const int64_t wrsim_fmu[];
 
 /* What a state consists of. */
@@ -63,7 +60,7 @@ static void set_up(struct memory *m)
 
 static struct memory *copy_of(const struct memory *from)
 {
-    struct memory *m = aligned_alloc(ALIGNMENT, sizeof *m);
+    struct memory *m = take(sizeof *m);
     if (m && from) memcpy(m, from, sizeof *m);
     return m;
 }
@@ -91,8 +88,6 @@ EXPORT void *fmi3InstantiateCoSimulation(
     one->log = log;
     if (!token || strcmp(token, TOKEN) != 0)
         fail(one, "the instantiation token is not that of this unit, " TOKEN "%s", "", 0.0);
-    else if (!processor_fits())
-        fail(one, "the processor lacks instructions that this unit uses: " TARGET "%s", "", 0.0);
     else if (!(one->memory = copy_of(NULL)))
         fail(one, "there is not enough memory%s", "", 0.0);
     if (!one->memory) {
@@ -105,7 +100,7 @@ EXPORT void *fmi3InstantiateCoSimulation(
 
 EXPORT void fmi3FreeInstance(struct instance *one)
 {
-    if (one) free(one->memory);
+    if (one) give(one->memory);
     free(one);
 }
 
@@ -230,7 +225,7 @@ EXPORT int fmi3FreeFMUState(struct instance *one, struct memory **state)
 {
     (void)one;
     if (state) {
-        free(*state);
+        give(*state);
         *state = NULL;
     }
     return OK;

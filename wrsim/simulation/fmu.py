@@ -21,6 +21,7 @@ import wrsim
 from wrsim.contact import records, wheel_rail
 from wrsim.contact.library.build import shared_library
 from wrsim.jit.cache import digest_of_sources
+from wrsim.jit.objects import this_target
 from wrsim.simulation.stepper import Stepper
 from wrsim.vehicle.dynamics import outputs, wheel_forces
 from wrsim.vehicle.dynamics import stepper as kernel
@@ -75,7 +76,8 @@ def pack_fmu(
     table = {number: wheel_rail.STAGES[number] for number in (normal, records.CREEP_FORCES, records.CONTACT)}
     table |= {number: wheel_forces.STAGES[number] for number in (wheel_forces.ONE_WHEEL, wheel_forces.IN_TURN)}
     more = {"wrsim_advance": kernel.advance, "wrsim_observe": outputs.observe}
-    library = shared_library(SOURCE, table, more, {"fmu.bin": content, "fmu.h": _header(bench, token, variables)})
+    header = {"fmu.h": _header(bench, token, variables)}
+    library = shared_library(SOURCE, table, more, header, {"wrsim_fmu": content}, this_target())
     files = {
         "modelDescription.xml": _description(bench, title, identifier, token, duration),
         f"binaries/{platform.machine()}-linux/{identifier}.so": library,

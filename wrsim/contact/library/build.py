@@ -1,8 +1,8 @@
 """Builds C libraries: machine code of kernels, what C has to know of them, and the C source around them.
 
-    python -m wrsim.contact.library.build FOLDER
+    python -m wrsim.contact.library.build FOLDER [TARGET ...]
 
-``bash .ci/library`` calls it for a common level of processors; without that it compiles for this machine's.
+makes the contact library of this machine in a folder, or those of targets (`jit.objects`) in folders of their names.
 """
 
 import os
@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -25,15 +26,21 @@ from wrsim.contact.wheel_rail import STAGES
 from wrsim.errors import WrsimError
 from wrsim.jit import stages
 from wrsim.jit.arena import MEANINGS
-from wrsim.jit.cache import digest_of_sources
-from wrsim.jit.objects import emit_object, target
+from wrsim.jit.cache import cache_folder, digest_of_sources
+from wrsim.jit.objects import TARGETS, emit_constant, emit_objects, this_target
 
 SOURCE = Path(__file__).parent
-LIBRARY, HEADER = "libwrsim_contact.so", "wrsim_contact.h"
-OPTIONS = "-std=c11 -O2 -fPIC -shared -fvisibility=hidden -Wl,-z,defs -Wl,--exclude-libs,ALL"
-LEVELS = {"x86-64-v3": ["avx2", "fma", "bmi2"]}
-INSTRUCTIONS = ("avx2", "fma", "bmi2", "avx512f", "avx512bw", "avx512dq", "avx512vl")
-"""What a library looks for in the processor: of common levels, and else of those that it is compiled for."""
+HEADER = "wrsim_contact.h"
+OPTIONS = "-std=c11 -O2 -ffp-contract=off -fvisibility=hidden"
+_ELF = "-fPIC -shared -Wl,-z,defs -lm"
+LINKING = {
+    "linux": ("so", "x86_64-linux-gnu.2.17", _ELF),
+    "linux-arm": ("so", "aarch64-linux-gnu.2.17", _ELF),
+    "windows": ("dll", "x86_64-windows-gnu", "-shared -s -Wl,--out-implib,made/wrsim_contact.lib"),
+    "macos": ("dylib", "aarch64-macos.11.0", "-fPIC -shared -s"),
+    "wasm": ("wasm", "wasm32-wasi", "-mexec-model=reactor -s -Wl,--export-dynamic,--export=malloc,--export=free"),
+}
+"""Ending, name of the system for zig, and options, by target."""
 RECORDS = {"call": k.CALL, "state": k.STATE, "memo": MEMO, "lobe": k.LOBE, "strip": k.STRIP, "total": k.TOTAL}
 PUBLIC = {
     "PATCH": (
@@ -53,61 +60,100 @@ STAGE_SIGNATURE = (
 of items, address, sizes and strides."""
 
 
-def build_library(folder: str | Path) -> Path:
-    """Build library and header into a folder; returns the path of the library.
+def library_name(target: str) -> str:
+    """File name of the contact library."""
+    return f"libwrsim_contact.{LINKING[target][0]}"
 
-    The compiler is that of the variable CC, or ``cc``. Raises WrsimError where there is none or it fails.
+
+def build_library(folder: str | Path, target: str = "") -> Path:
+    """Build library and header into a folder, for this machine or another target; returns the path of the library.
+
+    Raises WrsimError where there is no compiler (`shared_library`) or it fails.
     """
+    target = target or this_target()
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
     header = public_header()
     files = {HEADER: header, "contact_kernels.h": _contact_header()}
-    (place / LIBRARY).write_bytes(shared_library(SOURCE / "contact.c", STAGES, {}, files))
+    for name, content in _link(SOURCE / "contact.c", STAGES, {}, files, {}, target).items():
+        (place / name).write_bytes(content)
     (place / HEADER).write_text(header)
-    return place / LIBRARY
+    return place / library_name(target)
 
 
 def shared_library(
-    source: Path, table: Mapping[int, Any], more: Mapping[str, Any], files: Mapping[str, str | bytes]
-) -> bytes:
+    source: Path, table: Mapping[int, Any], more: Mapping[str, Any], files: Mapping[str, str],
+    constants: Mapping[str, bytes], target: str,
+) -> bytes:  # fmt: skip
     """A C source, which may include ``runtime.h``, with the machine code of stages around it, as a shared library.
 
     table: stages that others call by their numbers; more: stages that C alone calls, by names; files: that the source
-    includes. Raises WrsimError as `build_library`.
+    includes; constants: bytes that it declares as HIDDEN arrays, by names; target: see `jit.objects`. The compiler is
+    that of the variable CC or ``cc`` for this machine, else zig. Raises WrsimError where there is none or it fails.
     """
-    compiler = shlex.split(os.environ.get("CC", "cc"))
-    if not compiler or shutil.which(compiler[0]) is None:
-        raise WrsimError("no C compiler: neither the variable CC names one nor is there cc")
+    return _link(source, table, more, files, constants, target)[library_name(target)]
+
+
+def _link(
+    source: Path, table: Mapping[int, Any], more: Mapping[str, Any], files: Mapping[str, str],
+    constants: Mapping[str, bytes], target: str,
+) -> dict[str, bytes]:  # fmt: skip
+    """As `shared_library`: what the linker makes, by file names; on Windows there is an import library as well."""
+    compiler = _compiler(target)
     stages_by_name = {_name(number): kernel for number, kernel in table.items()} | dict(more)
+    objects = {f"kernels_{i}.o": code for i, code in enumerate(emit_objects(stages_by_name, target))}
+    objects |= {f"{name}.o": emit_constant(name, content, target) for name, content in constants.items()}
+    headers = {"kernels.h": _kernels_header(table, stages_by_name, target)} | dict(files)
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
-        (place / "kernels.o").write_bytes(emit_object(stages_by_name))
-        for name, content in ({"kernels.h": _kernels_header(table, stages_by_name)} | dict(files)).items():
-            (place / name).write_bytes(content.encode() if isinstance(content, str) else content)
-        command = [*compiler, *OPTIONS.split(), "-I.", f"-I{SOURCE}", str(source), "kernels.o", "-o", LIBRARY, "-lm"]
-        done = subprocess.run(command, capture_output=True, text=True, cwd=scratch)
+        for name, content in (objects | {name: text.encode() for name, text in headers.items()}).items():
+            (place / name).write_bytes(content)
+        cache = cache_folder("zig") or scratch
+        zig = {"ZIG_GLOBAL_CACHE_DIR": cache, "ZIG_LOCAL_CACHE_DIR": cache}
+        (made := place / "made").mkdir()
+        command = [*compiler, *OPTIONS.split(), "-I.", f"-I{SOURCE}", str(source), *objects]
+        command += ["-o", f"made/{library_name(target)}", *LINKING[target][2].split()]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=scratch, env=os.environ | zig)
         if done.returncode != 0:
             raise WrsimError(f"{compiler[0]} failed:\n{done.stderr}")
-        return (place / LIBRARY).read_bytes()
+        return {path.name: path.read_bytes() for path in made.iterdir()}
+
+
+def _compiler(target: str) -> list[str]:
+    """The command of a C compiler for a target."""
+    compiler = shlex.split(os.environ.get("CC", "cc")) if target == this_target() else []
+    if compiler and shutil.which(compiler[0]):
+        return compiler
+    if compiler and "CC" in os.environ:
+        raise WrsimError(f"no C compiler: the variable CC names {compiler[0]}, which is not here")
+    if not find_spec("ziglang"):
+        here = "no C compiler: there is no cc; Debian's gcc is one, zig another" if compiler else "needs zig"
+        raise WrsimError(f"{target}: {here}: pip install 'wrsim[cross]'")
+    return [sys.executable, "-m", "ziglang", "cc", "-target", LINKING[target][1]]
 
 
 def _name(stage: int) -> str:
     return f"wrsim_stage_{stage}"
 
 
-def _kernels_header(table: Mapping[int, Any], by_name: Mapping[str, Any]) -> str:
-    """What runtime.h has to know of the kernels: kernels.h."""
-    _, processor, features = target(next(iter(by_name.values())))
-    needs = LEVELS.get(processor, [name for name in INSTRUCTIONS if f"+{name}" in features.split(",")])
+def _kernels_header(table: Mapping[int, Any], by_name: Mapping[str, Any], target: str) -> str:
+    """What runtime.h has to know of the kernels: kernels.h. A kernel is known by its number among them."""
+    levels = TARGETS[target].levels
     lines = [
         f"typedef int32_t stage({STAGE_SIGNATURE});",
-        *(f"stage {name};" for name in by_name),
-        f'#define TARGET "{processor}"',
-        f"#define STAGE_TABLE_ADDRESS {stages.SYMBOL}",
-        f"#define STAGE_ADDRESSES {_listed(f'[{number}] = (void *){_name(number)}' for number in table)}",
+        f'#define TARGET "{", ".join(levels)}"',
+        f"#define LEVELS {len(levels)}",
+        f"enum {{{_listed(by_name)}, KERNELS}};",
     ]
-    if needs:
-        lines.append("#define PROCESSOR_FITS " + " && ".join(f'__builtin_cpu_supports("{name}")' for name in needs))
+    for i in range(len(levels)):
+        entries = _listed(f"[{number}] = {{(void *){_name(number)}_{i}}}" for number in table)
+        lines += [
+            f"stage {_listed(f'{name}_{i}' for name in by_name)};",
+            f"static const struct word stage_table_{i}[] = {{{entries}}};",
+            f"HIDDEN const struct word {stages.SYMBOL}_{i} = {{stage_table_{i}}};",
+        ]
+    rows = (f"{{{_listed(f'{name}_{i}' for name in by_name)}}}" for i in range(len(levels)))
+    lines.append(f"static stage *const kernels[LEVELS][KERNELS] = {{{_listed(rows)}}};")
     return "\n".join(lines) + "\n"
 
 
@@ -153,4 +199,8 @@ def _members(kind: Any) -> str:
 
 
 if __name__ == "__main__":
-    print(build_library(sys.argv[1]))
+    try:
+        for one in sys.argv[2:] or [""]:
+            print(build_library(Path(sys.argv[1], one), one))
+    except WrsimError as error:
+        sys.exit(str(error))

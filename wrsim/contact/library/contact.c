@@ -2,8 +2,6 @@
  *
  * contact_kernels.h has the kernels' own records as structs, the numbers of the arrays of a workspace, the texts of
  * the status bits. */
-#include "wrsim_contact.h"
-
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -13,6 +11,8 @@
 
 #include "runtime.h"
 #include "contact_kernels.h"
+#define WRSIM_API EXPORT
+#include "wrsim_contact.h"
 
 #define LARGEST 1e9  /* of an argument: products of thirty of them are finite */
 #define ROUGH 1e-6   /* of the axle's length: ten times the round-off of single precision */
@@ -43,7 +43,6 @@ static const struct {
     {WRSIM_OTHER_KERNELS, "the file was written by another version of wrsim than this library"},
     {WRSIM_DAMAGED, "the file is damaged"},
     {WRSIM_NO_MEMORY, "there is not enough memory"},
-    {WRSIM_PROCESSOR, "the processor lacks instructions that this library uses: " TARGET},
     {WRSIM_ARGUMENT, "an argument is a null pointer or out of range"},
     {WRSIM_FAILED, "a kernel ended early"},
     {WRSIM_NOT_FINITE, "the forces are not numbers: the pose, or the turn of the rail, is out of all proportion"},
@@ -86,8 +85,12 @@ static uint32_t checksum(const unsigned char *bytes, size_t size)
 static unsigned char *read_file(const char *path, size_t *size, int *status)
 {
     unsigned char *bytes = NULL;
-    FILE *file = fopen(path, "rb");
     *status = WRSIM_NO_FILE;
+#ifdef __wasm__
+    (void)path, (void)size;
+    errno = ENOSYS;
+#else
+    FILE *file = fopen(path, "rb");
     if (!file) return NULL;
     if (fseek(file, 0, SEEK_END) == 0) {
         long end = ftell(file);
@@ -102,6 +105,7 @@ static unsigned char *read_file(const char *path, size_t *size, int *status)
         }
     }
     fclose(file);
+#endif
     return bytes;
 }
 
@@ -160,7 +164,7 @@ static wrsim_contact *unpack(const unsigned char *bytes, const struct head *head
     if (!c) return NULL;
     c->doubles = head->doubles;
     c->description = calloc(1, (size_t)head->letters + 1);
-    c->buffer = aligned_alloc(ALIGNMENT, (room / ALIGNMENT + 1) * ALIGNMENT);
+    c->buffer = take((room / ALIGNMENT + 1) * ALIGNMENT);
     if (!c->description || !c->buffer) {
         wrsim_contact_free(c);
         return NULL;
@@ -191,32 +195,46 @@ const char *wrsim_contact_version(void)
     return "wrsim " WRSIM_VERSION ", kernels " KERNELS ", processors " TARGET;
 }
 
-int wrsim_contact_open(const char *path, wrsim_contact **contact, char *message, size_t size)
+/* Open bytes; name: where they are from. */
+static int open_bytes(const void *bytes, size_t length, const char *name, wrsim_contact **contact, char *message,
+                      size_t size)
 {
     struct head head;
+    int status = check(bytes, length, &head);
+    if (status == 0) {
+        *contact = unpack(bytes, &head);
+        if (!*contact) status = WRSIM_NO_MEMORY;
+    }
+    return report(status, name, message, size);
+}
+
+int wrsim_contact_open(const char *path, wrsim_contact **contact, char *message, size_t size)
+{
     size_t length = 0;
     int status;
     unsigned char *bytes;
     errno = 0;
     if (contact) *contact = NULL;
     if (!path || !contact) return report(WRSIM_ARGUMENT, path, message, size);
-    if (!processor_fits()) return report(WRSIM_PROCESSOR, path, message, size);
     bytes = read_file(path, &length, &status);
     if (!bytes) return report(status, path, message, size);
-    status = check(bytes, length, &head);
-    if (status == 0) {
-        *contact = unpack(bytes, &head);
-        if (!*contact) status = WRSIM_NO_MEMORY;
-    }
+    status = open_bytes(bytes, length, path, contact, message, size);
     free(bytes);
-    return report(status, path, message, size);
+    return status;
+}
+
+int wrsim_contact_open_memory(const void *bytes, size_t length, wrsim_contact **contact, char *message, size_t size)
+{
+    if (contact) *contact = NULL;
+    if (!bytes || !contact) return report(WRSIM_ARGUMENT, NULL, message, size);
+    return open_bytes(bytes, length, "(memory)", contact, message, size);
 }
 
 void wrsim_contact_free(wrsim_contact *contact)
 {
     if (!contact) return;
     free(contact->description);
-    free(contact->buffer);
+    give(contact->buffer);
     free(contact);
 }
 
