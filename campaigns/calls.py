@@ -78,4 +78,4 @@ def pytest_runtest_teardown() -> Iterator[None]:
 
 
 def pytest_sessionfinish() -> None:
-    FILE.write_text(json.dumps(found))
+    FILE.write_text(json.dumps(found), encoding="utf-8")

@@ -61,10 +61,10 @@ def main() -> None:
         values = {"climb.angle_of_attack_mrad": ATTACKS, "climb.Y_over_Q": [1.99], "climb.longest_m": 40.0}
         values |= {"contact.normal": given.model, "vehicle.wheel": str(Path(folder, "wheel.toml"))}
         if given.corner is not None:
-            Path(folder, "rail.toml").write_text(RAIL.format(given.corner))
+            Path(folder, "rail.toml").write_text(RAIL.format(given.corner), encoding="utf-8")
             values["track.rail"] = str(Path(folder, "rail.toml"))
         for angle, length in product(ANGLES, LENGTHS):
-            Path(folder, "wheel.toml").write_text(WHEEL.format(angle, length * INCH, given.tip))
+            Path(folder, "wheel.toml").write_text(WHEEL.format(angle, length * INCH, given.tip), encoding="utf-8")
             found = run(load(SCENARIO).with_values(values)).dataset
             here, there = (found[name].values for name in ("climb_distance", "climb_distance_tcrp"))
             ratios.append(here / there)

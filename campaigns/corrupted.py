@@ -184,7 +184,7 @@ def answer_of(words: Sequence[str], file: Path) -> str:
 
 def _bound() -> None:
     """Give this process no more memory and time than a command may take."""
-    used = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    used = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[0]) * os.sysconf("SC_PAGE_SIZE")
     resource.setrlimit(resource.RLIMIT_AS, (used + ROOM, used + ROOM))
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(10 * LONGEST)  # it may wait for a processor

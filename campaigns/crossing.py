@@ -107,9 +107,9 @@ def lay(reference: Path, table: Path, begin: float) -> None:
     if begin > PLAIN:
         lead = table.with_name("lead.csv")
         write_crossing(reference, lead, PLAIN - 1e-3, PLAIN + 1e-3)
-        (_, *plain), (head, *own) = lead.read_text().splitlines(), table.read_text().splitlines()
+        (_, *plain), (head, *own) = lead.read_text().splitlines(), table.read_text(encoding="utf-8").splitlines()
         moved = [f"{LEAD},{line.split(',', 1)[1]}" for line in plain]
-        table.write_text("\n".join([head, *moved, *own]))
+        table.write_text("\n".join([head, *moved, *own]), encoding="utf-8")
 
 
 def draw(rows: list[dict[str, Any]], picture: Path) -> None:

@@ -110,7 +110,7 @@ def broken(folder: Path) -> list[str]:
             elif path.suffix == ".json":
                 json.loads(path.read_text())
             elif path.suffix == ".csv":
-                with open(path, newline="") as stream:
+                with open(path, encoding="utf-8", newline="") as stream:
                     rows = list(csv.reader(stream))
                 assert len({len(row) for row in rows}) == 1 and path.read_bytes().endswith(b"\n")
             elif path.suffix == ".png":

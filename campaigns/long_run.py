@@ -58,7 +58,7 @@ def values(kilometres: float) -> dict[str, Any]:
 
 def resident() -> float:
     """Memory of this process now [MB]."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+    return int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def in_a_child(work: Callable[[], Any]) -> tuple[float, Any]:

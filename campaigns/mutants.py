@@ -61,7 +61,7 @@ class Mutant(NamedTuple):
 
 def mutants_of(file: Path, factors: bool = False) -> list[Mutant]:
     """Each operator at each of its places in a file, or wrong signs and factors alone."""
-    nodes = list(ast_nodes(get_ast(file.read_text())))
+    nodes = list(ast_nodes(get_ast(file.read_text(encoding="utf-8"))))
     found = []
     for name, what in OPERATORS.items():
         owners = [node for node in nodes for _ in what.mutation_positions(node)]
@@ -125,7 +125,7 @@ def imports() -> dict[Path, set[Path]]:
 
 def imported(file: Path) -> Iterator[Path]:
     """Modules of ours that a module imports from."""
-    for node in ast.walk(ast.parse(file.read_text())):
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
             for name in (node.module, *(f"{node.module}.{each.name}" for each in node.names)):
                 yield Path(name.replace(".", "/")).with_suffix(".py")
@@ -156,7 +156,7 @@ def run_compiled(command: list[str], changed: Path | None = None, **others: str)
                 file.unlink()
     environment["NUMBA_CACHE_DIR"] = str(cache.resolve())
     bound = partial(resource.setrlimit, resource.RLIMIT_CPU, (limit, limit))
-    with open("output", "w") as output:
+    with open("output", "w", encoding="utf-8") as output:
         done = subprocess.run(command, env=environment, stdout=output, stderr=output, check=False, preexec_fn=bound)
     shutil.rmtree("own_cache", ignore_errors=True)
     return done.returncode == 0
@@ -244,7 +244,7 @@ def survives(mutant: Mutant, judge: Tests, slowly: bool) -> tuple[bool, list[str
     if alive:
         name = mutant.operator
         return True, list(difflib.unified_diff(code.split("\n"), changed.split("\n"), str(file), name, lineterm=""))
-    lines = Path("output").read_text(errors="replace").splitlines()
+    lines = Path("output").read_text(encoding="utf-8", errors="replace").splitlines()
     return False, [line for line in lines if line.startswith(("red", "FAILED", "ERROR"))][:1] or ["stopped"]
 
 

@@ -292,7 +292,7 @@ def read(path: Path) -> list[Row]:
     """Rows of a reference table."""
     if not path.is_file():
         raise SystemExit(f"{path}: there is no such reference table")
-    with path.open(newline="") as file:
+    with path.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 

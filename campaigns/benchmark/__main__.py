@@ -86,7 +86,7 @@ def words(verdict: Verdict, comparison: ComparisonFile) -> str:
 
 def write(path: Path, done: Sequence[Verdict]) -> None:
     """Errors and tolerances, a row a quantity."""
-    with path.open("w", newline="") as file:
+    with path.open("w", encoding="utf-8", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
         out.writerow(HEAD)
         for verdict in sorted(done, key=lambda v: v.comparison):

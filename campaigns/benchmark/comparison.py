@@ -230,7 +230,7 @@ def _split(answer: Answer, count: int) -> list[Answer]:
 def _table(path: Path) -> tuple[Row, ...]:
     if not path.is_file():
         raise InputError(f"{path}: no such table; REFERENCE must be the folder of reference tables")
-    with path.open(newline="") as file:
+    with path.open(encoding="utf-8", newline="") as file:
         return tuple(csv.DictReader(line for line in file if not line.startswith("#")))
 
 

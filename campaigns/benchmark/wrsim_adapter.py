@@ -273,7 +273,7 @@ class Wrsim(Code):
     def climb(self, *, flange_angle_deg: float, flange_length_mm: float, attack_mrad: float):
         with TemporaryDirectory() as folder:
             wheel = Path(folder, "wheel.toml")
-            wheel.write_text(WHEEL.format(flange_angle_deg, flange_length_mm, 9.5))
+            wheel.write_text(WHEEL.format(flange_angle_deg, flange_length_mm, 9.5), encoding="utf-8")
             values = {"vehicle.wheel": str(wheel), "climb.angle_of_attack_mrad": [attack_mrad]}
             values |= {"climb.Y_over_Q": [1.99], "climb.longest_m": 40.0}
             found = run(load(SCENARIOS / "climb.toml").with_values(values)).dataset

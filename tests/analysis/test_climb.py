@@ -34,7 +34,7 @@ def flanged(path: Path, angle: float, length: float, **more) -> str:
     keys = {"name": "flange", "body": "wheel", "kind": "flanged", "source": "definition"}
     numbers = {"flange_angle_deg": angle, "flange_length_mm": length} | more
     lines = [f'{key} = "{value}"' for key, value in keys.items()] + ["date = 2026-11-26"]
-    path.write_text("\n".join(lines + [f"{key} = {value}" for key, value in numbers.items()]))
+    path.write_text("\n".join(lines + [f"{key} = {value}" for key, value in numbers.items()]), encoding="utf-8")
     return str(path)
 
 

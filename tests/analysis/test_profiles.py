@@ -72,7 +72,7 @@ def test_the_hollow_of_a_cone_is_the_drop_behind_the_crest_of_its_bell() -> None
 def written(profile: Profile, path: Path) -> None:
     rows, _ = profile.table(2e-4)
     points = "".join(f"{1e3 * u:.5f}\t{1e3 * w:.5f}\n" for u, w in rows[:, :2])
-    path.write_text(f"ProgramName=MiniProf\nColumnDef=X,Y\n\n{points}")
+    path.write_text(f"ProgramName=MiniProf\nColumnDef=X,Y\n\n{points}", encoding="utf-8")
 
 
 @pytest.fixture

@@ -116,7 +116,7 @@ def write_sections(path: Path, heights: dict[float, float], features: str = "1 2
         for at, up in heights.items()
         for y, z, mark in zip(u, w + up, marks, strict=True)
     ]
-    path.write_text("\n".join(["at_m,outward_mm,up_mm,feature", *rows]))
+    path.write_text("\n".join(["at_m,outward_mm,up_mm,feature", *rows]), encoding="utf-8")
     return path
 
 

@@ -51,7 +51,7 @@ def stopped() -> Result:
 
 
 def test_bad_input_is_one_message_on_stderr_or_a_json_object_and_exit_code_2(scenario: Path) -> None:
-    scenario.write_text(edited(CURVE, "radius_m = 300", "radius_m = 0"))
+    scenario.write_text(edited(CURVE, "radius_m = 300", "radius_m = 0"), encoding="utf-8")
     for command in (("check",), ("run", "-o", scenario.parent / "out")):
         result = call(*command, scenario)
         assert result.exit_code == 2
@@ -59,7 +59,9 @@ def test_bad_input_is_one_message_on_stderr_or_a_json_object_and_exit_code_2(sce
         assert result.stderr.startswith(f"{scenario}:18: track.segments[2].radius_m = 0: must be")
         assert result.stderr.count("\n") == 1
     assert not (scenario.parent / "out").exists(), "a run that cannot start leaves nothing"
-    scenario.write_text(edited(edited(CURVE, "radius_m = 300", "radius_m = 0"), "friction = 0.35", "mu = 1"))
+    scenario.write_text(
+        edited(edited(CURVE, "radius_m = 300", "radius_m = 0"), "friction = 0.35", "mu = 1"), encoding="utf-8"
+    )
     result = call("run", scenario, "--json")
     assert result.exit_code == 2
     error = json.loads(result.stdout)["error"]
@@ -78,7 +80,7 @@ def test_a_file_that_cannot_be_read_is_bad_input(tmp_path: Path, name: str) -> N
 def test_models_of_the_user_are_found(scenario: Path, tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/rail.toml").write_text((shipped_models() / "rails/60E1.toml").read_text())
-    scenario.write_text(edited(CURVE, "rails/60E1.toml", "rail.toml"))
+    scenario.write_text(edited(CURVE, "rails/60E1.toml", "rail.toml"), encoding="utf-8")
     assert call("check", scenario).exit_code == 2
     assert call("check", scenario, "--models", tmp_path / "mine").exit_code == 0
 

@@ -64,7 +64,7 @@ def test_what_wrsim_wrote_it_may_write_again_but_not_what_was_changed_since(scen
     out = tmp_path / "out"
     for _ in range(2):
         assert call("run", scenario, "-o", out, "--no-pictures").exit_code == 0
-    with open(out / "history.csv", "a") as table:
+    with open(out / "history.csv", "a", encoding="utf-8") as table:
         table.write("a note of mine\n")
     refused = refusal("run", scenario, "-o", out, "--no-pictures")
     assert f"{out / 'history.csv'}: would be written over" in refused
@@ -81,7 +81,7 @@ def test_the_base_of_a_scenario_is_not_replaced_by_the_record_of_its_run(tmp_pat
 
 
 def _written(path: Path, text: str) -> Path:
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     return path
 
 

@@ -149,15 +149,19 @@ NAMES = PARTS | {"from", "to", "step"}
 def blocks(page: Path, language: str) -> list[str]:
     """The examples of a page in a language, one after the other; of a notebook its cells."""
     if page.suffix == ".ipynb":
-        return ["".join(c["source"]) for c in json.loads(page.read_text())["cells"] if c["cell_type"] == "code"]
-    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.M | re.S)
+        return [
+            "".join(c["source"])
+            for c in json.loads(page.read_text(encoding="utf-8"))["cells"]
+            if c["cell_type"] == "code"
+        ]
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
 
 
 def command_lines(page: Path) -> list[list[str]]:
     """Words of all lines that call wrsim, in fenced and in indented examples; comments, explanations, files that take
     the output and what stands in brackets as optional are left out."""
     lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
-    lines += re.findall(r"^ {4}(wrsim .*)$", page.read_text(), re.M)
+    lines += re.findall(r"^ {4}(wrsim .*)$", page.read_text(encoding="utf-8"), re.M)
     plain = (re.split(r"\s{2,}| > ", re.sub(r"\[-[^]]*\]", "", line))[0] for line in lines if line.startswith("wrsim "))
     return [shlex.split(line, comments=True)[1:] for line in plain]
 

@@ -108,7 +108,7 @@ class Car:
         text = [",".join(rows)] + [
             ",".join(f"{v:.{digits}f}" for v in row) for row in np.stack([*rows.values()], axis=1)
         ]
-        path.write_text("\n".join(text) + "\n")
+        path.write_text("\n".join(text) + "\n", encoding="utf-8")
         return path
 
 
@@ -154,7 +154,7 @@ def column_map(path: Path, names: list[str], system: str) -> Path:
         text += f'[[channels]]\ncolumn = "{name}"\nquantity = "{quantity}"\n'
         text += {"curvature": "base_m = 20\n", "twist": 'unit = "mm"\n'}.get(quantity, "")
         text += f"{system}\n" if quantity.startswith(("alignment", "level")) else ""
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     return path
 
 

@@ -436,7 +436,7 @@ def summed(of: dict[str, Any]) -> np.ndarray:
 
 
 def data_in(viewed: Path) -> Any:
-    return json.loads(re.findall(r'id="data">(.*?)</script>', viewed.read_text(), re.DOTALL)[0])
+    return json.loads(re.findall(r'id="data">(.*?)</script>', viewed.read_text(encoding="utf-8"), re.DOTALL)[0])
 
 
 @pytest.fixture(scope="module")
@@ -726,7 +726,7 @@ def test_rails_and_axles_are_bent_at_the_largest_force_alone(viewer: Browser) ->
 def test_a_script_that_gets_into_the_viewer_does_not_run(chromium: Browser, viewed: Path, tmp_path: Path) -> None:
     file = tmp_path / "view.html"
     foreign = "<script>window.evil = 1</script><style>h1 { display: none }</style>"
-    file.write_text(viewed.read_text().replace("</main>", f"{foreign}</main>", 1))
+    file.write_text(viewed.read_text(encoding="utf-8").replace("</main>", f"{foreign}</main>", 1))
     chromium.open(file)
     chromium.run("return wrsim.ready")
     assert chromium.run("return window.evil === undefined && document.querySelector('h1').offsetHeight > 0")

@@ -149,7 +149,7 @@ def test_the_report_takes_one_study_and_nothing_beside_it(serial: Plan, tmp_path
     study, file = str(Path(serial.folder).parent / "study.toml"), str(tmp_path / "page.html")
     assert call("study", study, "-o", serial.folder, "--no-pictures").exit_code == 0
     assert call("report", serial.folder, "-o", file).exit_code == 0
-    page = Path(file).read_text()
+    page = Path(file).read_text(encoding="utf-8")
     assert "6 cases: 6 completed." in page
     summary = page[page.index('id="h-summary"') : page.index('id="identity"')]
     assert all(words in summary for words in ("contact.friction (", "vehicle.speed_kmh (40, 45, 50)", "lies between"))

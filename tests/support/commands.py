@@ -1,7 +1,6 @@
-"""The command in this process, or in one that is forked from it, which imports nothing anew."""
+"""The command in this process, or in one that is forked from it, which imports nothing anew; started on Windows."""
 
 import os
-import pty
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryFile
 
+import pytest
 import typer.testing
 from click.testing import Result
 from typer.main import get_command
@@ -46,6 +46,11 @@ def forked(
     """Run ``wrsim`` with these arguments in a process of its own; first: what that does before; encoding: of what it
     prints."""
     words = [str(a) for a in arguments]
+    if sys.platform == "win32":
+        if first is not bool:
+            pytest.skip("Windows forks no process that could be prepared")
+        command, environment = [sys.executable, "-m", "wrsim", *words], os.environ | {"PYTHONIOENCODING": encoding}
+        return subprocess.run(command, env=environment, capture_output=True, encoding=encoding, check=False)
     with TemporaryFile() as out, TemporaryFile() as err:
         child = os.fork()
         if child == 0:
@@ -62,6 +67,10 @@ def forked(
 
 def on_a_terminal(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     """The same on a terminal, which gets both streams."""
+    if sys.platform == "win32":
+        pytest.skip("Windows has no pseudo-terminals of POSIX")
+    import pty
+
     words = [str(a) for a in arguments]
     child, terminal = pty.fork()
     if child == 0:

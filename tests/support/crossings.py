@@ -75,7 +75,7 @@ def write_crossing(folder: Path, path: Path, start: float, end: float) -> None:
             lines += [
                 f"{place!r},{y:.9f},{z:.9f},{marks.get(a, '')}" for a, (y, z) in zip(places, curve(places), strict=True)
             ]
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _features(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[float, ...]]:

@@ -24,19 +24,19 @@ def allowed_folders(config: pytest.Config) -> tuple[str, ...]:
     python = sys.prefix, sys.base_prefix, *sysconfig.get_paths().values(), *sys.path
     folders = {*SYSTEM, *python, *named, *(Path.home() / cache for cache in CACHES)}
     forms = os.path.abspath, os.path.realpath
-    return tuple(f"{form(folder)}/" for folder in folders if folder for form in forms)
+    return tuple(f"{form(folder)}{os.sep}" for folder in folders if folder for form in forms)
 
 
 def watch_files(config: pytest.Config) -> None:
     """Takes down each file that is opened outside. A hook of the interpreter, which stays."""
-    inside, allowed = f"{ROOT}/", allowed_folders(config)
-    temporary, beside = f"{os.path.realpath(tempfile.gettempdir())}/", f"{ROOT.parent}/"
+    inside, allowed = f"{ROOT}{os.sep}", allowed_folders(config)
+    temporary, beside = (f"{folder}{os.sep}" for folder in (os.path.realpath(tempfile.gettempdir()), ROOT.parent))
     if beside == temporary:
         beside = inside  # whose files are allowed
 
     def opened(event: str, arguments: tuple[object, ...]) -> None:
         if event == "open" and isinstance(arguments[0], str | bytes):
-            path = f"{os.path.abspath(os.fsdecode(arguments[0]))}/"
+            path = f"{os.path.abspath(os.fsdecode(arguments[0]))}{os.sep}"
             lent = path.startswith(temporary) and not path.startswith(beside)
             if not (path.startswith((inside, *allowed)) or lent):
                 foreign.append(path[:-1])

@@ -40,7 +40,7 @@ def begin_early(config: pytest.Config) -> None:
 def _work(session: pytest.Session, name: str, files: list[list[pytest.Item]], queue: int, there: Connection) -> None:
     """Runs the tests of the files whose numbers are taken from the queue; never returns."""
     config = session.config
-    config.get_terminal_writer()._file = open(os.devnull, "w")  # noqa: SIM115
+    config.get_terminal_writer()._file = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
     capture = config.pluginmanager.getplugin("capturemanager")
     capture.stop_global_capturing()  # writes into a file that all would share
     capture.start_global_capturing()

@@ -270,7 +270,9 @@ def test_rows_too_coarse_for_the_waves_and_bands_finer_than_the_table_are_refuse
 
 def write_table(path: Path, columns: dict[str, np.ndarray]) -> Path:
     rows = np.column_stack(list(columns.values()))
-    path.write_text(",".join(columns) + "\n" + "\n".join(",".join(f"{v:.9g}" for v in row) for row in rows) + "\n")
+    path.write_text(
+        ",".join(columns) + "\n" + "\n".join(",".join(f"{v:.9g}" for v in row) for row in rows) + "\n", encoding="utf-8"
+    )
     return path
 
 

@@ -155,7 +155,7 @@ def write_modes(path: Path, modes: Modes, points: list[tuple[float, float, float
             ",".join([head, *(f"{1e3 * c}" for c in at), *(f"{scale * v}" for v in values)])
             for at, values in zip(points, own, strict=True)
         ]
-    path.write_text("\n".join(rows))
+    path.write_text("\n".join(rows), encoding="utf-8")
 
 
 def test_modes_of_a_file_are_those_that_it_was_made_of(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ def _factors() -> dict[str, float]:
     factors: dict[str, Any] = {}
     with contextlib.suppress(OSError, ValueError, AttributeError):
         file = _file()
-        factors = dict(json.loads(file.read_text()).items()) if file is not None else {}
+        factors = dict(json.loads(file.read_text(encoding="utf-8")).items()) if file is not None else {}
     return {name: value for name, value in factors.items() if isinstance(value, float) and 1e-3 < value < 1e3}
 
 

@@ -11,10 +11,10 @@ from contextlib import contextmanager
 from functools import partial
 from math import inf
 from pathlib import Path
-from shlex import quote
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any
 
+from wrsim import system
 from wrsim.errors import plain
 
 if TYPE_CHECKING:
@@ -61,7 +61,9 @@ def print_json(content: dict[str, Any]) -> None:
 def print_error(message: str) -> None:
     """A message on stderr; warnings are bold on a terminal."""
     line = plain(message)
-    print(f"\x1b[1m{line}\x1b[0m" if ": warning: " in line and sys.stderr.isatty() else line, file=sys.stderr)
+    if ": warning: " in line and sys.stderr.isatty():
+        line = f"{system.BOLD}{line}{system.USUAL}"
+    print(line, file=sys.stderr)
 
 
 def print_files(count: int, directory: Path | None, removed: int = 0) -> None:
@@ -69,7 +71,7 @@ def print_files(count: int, directory: Path | None, removed: int = 0) -> None:
     print_lines(f"{count} files in {directory}")
     if removed:
         print_lines(f"{removed} files of the earlier result are removed from there")
-    print_lines(f"HTML report: wrsim report {quote(str(directory))}")
+    print_lines(f"HTML report: wrsim report {system.quoted(str(directory))}")
 
 
 def print_lines(*lines: str) -> None:
@@ -97,7 +99,7 @@ class _StatusLine(logging.Handler):
         if _StatusLine.bar is not None:
             _StatusLine.bar(message or "running")
         elif sys.stderr.isatty():
-            sys.stderr.write(f"\r{message}\x1b[K")
+            sys.stderr.write(f"\r{message}{system.ERASE}")
             sys.stderr.flush()
 
 

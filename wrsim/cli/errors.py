@@ -22,7 +22,7 @@ from pathlib import Path
 
 import typer
 
-from wrsim import __version__
+from wrsim import __version__, system
 from wrsim.cli.console import print_error, print_json
 from wrsim.errors import INTERRUPTED, WrsimError
 
@@ -36,9 +36,9 @@ def any_output() -> None:
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:
-            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 (it lasts as long as the process)
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (it lasts as long as the process)
         elif hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="backslashreplace")
+            stream.reconfigure(encoding=system.encoding(stream), errors="backslashreplace")
 
 
 @contextmanager
@@ -70,6 +70,8 @@ def reporting_errors(as_json: bool) -> Iterator[None]:
         full = error.errno in FULL_DISK
         reason = "the disk is full; free some space or choose another directory" if full else error.strerror
         mute = not error.filename and _takes_no_text()
+        if mute and error.errno == errno.EINVAL:  # a broken pipe of Windows
+            raise typer.Exit from None
         where = "standard output: " if mute else f"{error.filename}: " if error.filename else ""
         _fail(f"{where}{reason or error}", "WrsimError", WrsimError.exit_code, as_json and not mute)
     except MemoryError:

@@ -45,10 +45,12 @@ class Finder:
         if eaten := [letter for escape, letter in ESCAPES.items() if escape in name]:
             slashed = "".join(f"/{ESCAPES[c]}" if c in ESCAPES else c for c in name).replace("\\", "/")
             raise InputError(f'"\\{eaten[0]}" in double quotes is one letter, not a folder: write "{slashed}"')
+        if "\\" in name:
+            raise InputError(f'folders are separated by /: write "{name.strip(chr(34)).replace(chr(92), "/")}"')
         file = Path(name)
         with self.guard():
             places = [folder / file for folder in self.folders]  # an absolute name: always itself
-            if (kept := KEPT.get()) and (stored := [place for place in places if str(place) in kept.contents]):
+            if (kept := KEPT.get()) and (stored := [place for place in (*places, file) if str(place) in kept.contents]):
                 return stored[0]
             refused = {place: out_of_reach(place) for place in places}
             for place in places:
@@ -59,8 +61,6 @@ class Finder:
             if file.is_absolute():
                 raise InputError("no such file" if not os.path.isdir(file) else "is a directory, a file is needed")
             near = self._nearest(file)
-        if "\\" in name and os.sep != "\\":
-            raise InputError(f'folders are separated by /: write "{name.strip(chr(34)).replace(chr(92), "/")}"')
         searched = ", ".join(dict.fromkeys(str(folder.absolute()) for folder in self.folders))
         raise InputError(f"not found in {searched}" + (f'; did you mean "{near}"?' if near else ""))
 
@@ -118,7 +118,7 @@ def model_file(name: str | Path, extra: Sequence[str | Path] | None = ()) -> Pat
     if path.is_absolute() or os.path.exists(path):
         return path
     try:
-        return usual_finder(extra).find(str(name))
+        return usual_finder(extra).find(path.as_posix())
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
 

@@ -14,6 +14,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from wrsim import system
 from wrsim.errors import InputError
 from wrsim.inputs.file_kinds import ENDINGS, WORDS
 
@@ -101,7 +102,12 @@ def _content(path: Path, what: str) -> bytes:
 
 def open_plain(path: Path, what: str, flags: int = os.O_RDONLY) -> int:
     """A descriptor of a plain file; it never waits. Raises InputError for a pipe, a device, a directory; OSError."""
-    handle = os.open(path, flags | os.O_NONBLOCK, 0o666)
+    try:
+        handle = os.open(path, flags | system.PLAIN, 0o666)
+    except PermissionError:
+        if not path.is_dir():  # Windows opens none
+            raise
+        raise InputError(f"{path}: is a directory, a {what} is needed") from None
     if kind := other_kind(os.fstat(handle).st_mode):
         os.close(handle)
         raise InputError(f"{path}: is {kind}, a {what} is needed")

@@ -34,6 +34,8 @@ import numba
 from llvmlite import binding
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
+from wrsim.system import NO_LINK
+
 CONFIG: Any = numba.config
 LOGGER = logging.getLogger("wrsim.cache")
 
@@ -68,9 +70,9 @@ def is_private(path: str) -> bool:
 
 def _restrict_mode(path: str) -> None:
     """Take from others the right to write to a folder of this user's: older versions left it to the group."""
-    if hasattr(os, "getuid"):
+    if sys.platform != "win32":
         with contextlib.suppress(OSError):
-            folder = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+            folder = os.open(path, os.O_RDONLY | os.O_DIRECTORY | NO_LINK)
             try:
                 if os.fstat(folder).st_uid == os.getuid():
                     os.fchmod(folder, PRIVATE)
@@ -188,11 +190,11 @@ class Shipped:
         if self._usable is None:
             kept = Path(self.cache) / "shipped.json"
             try:
-                self._usable = json.loads(kept.read_text())["usable"] is True
+                self._usable = json.loads(kept.read_text(encoding="utf-8"))["usable"] is True
             except (OSError, ValueError, KeyError, TypeError):
                 self._usable = self._pass()
                 with contextlib.suppress(OSError):
-                    kept.write_text(json.dumps({"usable": self._usable}))
+                    kept.write_text(json.dumps({"usable": self._usable}), encoding="utf-8")
         return self._usable
 
     def _pass(self) -> bool:
@@ -220,7 +222,7 @@ def shipped(cache: str | None, folder: Path = FOLDER) -> Shipped | None:
     if cache is None or PLAIN or CONFIG.DISABLE_JIT or CONFIG.CPU_NAME is not None:
         return None
     try:
-        about = json.loads((Path(folder) / ABOUT).read_text())
+        about = json.loads((Path(folder) / ABOUT).read_text(encoding="utf-8"))
         if any(about[name] != word for name, word in build_info().items()):
             return None
         features = binding.get_host_cpu_features()

@@ -1,11 +1,10 @@
 """Pictures drawn by two processes at once.
 
-A second process is forked where there is a second processor for it. It draws while this one writes the numbers, then
-both take picture after picture until all are drawn. What the second one does not bring, this one draws: so errors are
-met here, as they are without it.
+A second process is forked where there is a second processor for it (Linux alone). It draws while this one writes the
+numbers, then both take picture after picture until all are drawn. What the second one does not bring, this one draws:
+so errors are met here, as they are without it.
 """
 
-import ctypes
 import multiprocessing
 import os
 import signal
@@ -17,6 +16,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from wrsim import system
 from wrsim.plots.theme import LOOK, rendered
 from wrsim.results import write_atomically
 
@@ -29,11 +29,11 @@ Finish = Callable[[], dict[str, Any]]
 @contextmanager
 def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
     """Draw pictures while other work is done in the block, if there is a second processor. paint: figure to content."""
-    alone = multiprocessing.current_process().daemon or len(os.sched_getaffinity(0)) < 2
-    if alone or len(figures) < 2:
+    alone = multiprocessing.current_process().daemon or system.processors() < 2
+    if not system.FORKS or alone or len(figures) < 2:
         yield lambda: {name: paint(make()) for name, make in figures.items()}
         return
-    context = multiprocessing.get_context("fork")
+    context: Any = multiprocessing.get_context("fork")
     taken = context.Value("i", 0)
     receiver, sender = context.Pipe(duplex=False)
     second = context.Process(target=_second, args=(figures, paint, taken, sender, receiver, os.getpid()), daemon=True)
@@ -94,9 +94,7 @@ def _second(figures: Makers, paint: Paint, taken: Any, sender: Any, receiver: An
     """What the second process does; it reports nothing, and leaves what goes wrong to the first. It must not outlive
     the first one: it has inherited the lock of the folder, and would keep others out of it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: killed when the parent dies
-    if os.getppid() != first:
-        os._exit(1)
+    system.die_with(first)
     receiver.close()
     try:
         sender.send(_share(figures, paint, taken))

@@ -3,7 +3,6 @@
 import base64
 import hashlib
 import io
-import shlex
 from collections.abc import Callable, Sequence
 from functools import cache, partial
 from importlib.resources import files
@@ -40,6 +39,7 @@ from wrsim.results.spectra import spectra_table
 from wrsim.results.summary import has_wear
 from wrsim.results.table import as_html, formatted, quantity
 from wrsim.results.wheelsets import matched, numbered, of_wheelset, wheelsets, worst_wheelset
+from wrsim.system import quoted
 
 T = TypeVar("T")
 
@@ -118,7 +118,7 @@ def _document_part(runs: _Runs) -> dict[str, Any]:
         "versions": tables.version_rows(results, summaries),
         "inputs": [tables.inputs(r) for r in results],
         "texts": [str(r.dataset.attrs.get("scenario_text", "")) for r in results],
-        "commands": [f"wrsim run scenario.toml -o {shlex.quote(source or 'run')}" for source in sources],
+        "commands": [f"wrsim run scenario.toml -o {quoted(source or 'run')}" for source in sources],
     }
 
 

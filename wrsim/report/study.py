@@ -1,6 +1,5 @@
 """The reports of a study, one page about all its cases, and of a profile evolution."""
 
-import shlex
 from collections import Counter
 from collections.abc import Sequence
 
@@ -15,6 +14,7 @@ from wrsim.report.page import as_picture, last_part, page_template
 from wrsim.report.tables import BAD, OPEN, ReportVerdict
 from wrsim.results.sensitivity import sensitivity_in, sensitivity_tables
 from wrsim.results.table import Column, Table, formatted, join_names, quantity
+from wrsim.system import quoted
 
 MOST_TOLD = 3  # outputs and keys that the summary names
 MOST_ROWS, FEW_ROWS = 500, 40  # cases in a table of the page; up to so many, the table is open
@@ -49,7 +49,7 @@ def study_page(dataset: xr.Dataset, source: str, cover: Cover = NO_COVER) -> str
         "cases": _cases(dataset, outputs[:MOST_OUTPUTS]),
         "cases_more": "; ".join(filter(None, (*cases_more, _more(status.size)))),
         "few": status.size <= FEW_ROWS,
-        "command": f"wrsim study study.toml -o {shlex.quote(folder or 'study')}",
+        "command": f"wrsim study study.toml -o {quoted(folder or 'study')}",
         "study_text": dataset.attrs.get("study_text", ""),
         "scenario_text": dataset.attrs.get("scenario_text", ""),
     }
@@ -198,7 +198,7 @@ def evolution_page(dataset: xr.Dataset, source: str, numbers: Table, cover: Cove
         "versions": _versions(dataset),
         "numbers": numbers,
         "pictures": [as_picture(name, make()) for name, make in evolution_figures(dataset).items()],
-        "command": f"wrsim wear evolution.toml -o {shlex.quote(folder or 'evolution')}",
+        "command": f"wrsim wear evolution.toml -o {quoted(folder or 'evolution')}",
         "texts": {words: str(about[key]) for key, words in OF_EVOLUTION.items() if about.get(key)},
     }
     return page_template("evolution.html").render(page)

@@ -11,7 +11,6 @@ from __future__ import annotations
 import contextlib
 import csv
 import errno
-import fcntl
 import hashlib
 import io
 import json
@@ -24,9 +23,10 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from itertools import islice
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import IO, Any
 
+from wrsim import system
 from wrsim.errors import InputError, WrsimError
 from wrsim.inputs.toml_files import open_plain, other_kind
 
@@ -53,7 +53,9 @@ def plain_disk_errors(path: Path, size: int | None = None) -> Iterator[None]:
             needed = "" if size is None else f" ({size / factor:.1f} {unit} needed)"
             why = f"the disk is full{needed}; free some space or choose another directory"
         else:
-            why = _REASONS.get(problem.errno or 0, (problem.strerror or str(problem)).lower())
+            why = system.remedy(problem, path) or _REASONS.get(
+                problem.errno or 0, (problem.strerror or str(problem)).lower()
+            )
         raise WrsimError(f"cannot write {path}: {why}") from problem
 
 
@@ -88,7 +90,7 @@ def write_atomically(path: str | Path, content: bytes | Iterable[bytes], size: i
                 os.fsync(stream.fileno())
             if keeper is not None:
                 keeper.note(path, digest.hexdigest())
-            os.replace(temporary, path)
+            system.replace(temporary, path)
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
@@ -103,13 +105,16 @@ def sweep(folder: Path) -> None:
     """Remove what processes that were killed while they wrote have left in a folder; the caller holds its lock."""
     for path in folder.glob(".*.part"):
         if LEFT_OVER.fullmatch(path.name) and path.is_file() and not path.is_symlink():
-            path.unlink(missing_ok=True)
+            with contextlib.suppress(PermissionError):  # in use, on Windows
+                path.unlink(missing_ok=True)
 
 
 def open_no_link(path: Path, flags: int) -> IO[bytes]:
     """Open a file of wrsim's own, unbuffered; a symbolic link in its place is refused (``InputError``)."""
     try:
-        handle = open_plain(path, "plain file", flags | os.O_NOFOLLOW)
+        if not system.NO_LINK and path.is_symlink():
+            raise OSError(errno.ELOOP, "is a symbolic link")
+        handle = open_plain(path, "plain file", flags | system.NO_LINK)
     except OSError as problem:
         if problem.errno == errno.ELOOP:
             raise InputError(f"{path}: is a symbolic link; wrsim does not write through it: move it away") from None
@@ -120,7 +125,7 @@ def open_no_link(path: Path, flags: int) -> IO[bytes]:
 def lock(stream: IO[bytes]) -> bool:
     """Lock an open file against other processes until it is closed; False if one of them holds it."""
     try:
-        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        system.lock(stream)
     except OSError as problem:
         return problem.errno not in (errno.EACCES, errno.EAGAIN)  # others: a file system without locks
     return True
@@ -187,9 +192,15 @@ def _is_entry(entry: dict[str, Any]) -> bool:
     """True for a line as `Manifest.note` writes them: its files lie in the folder of the manifest, or below it."""
     file, further = entry.get("file", "x"), entry.get("files", [])
     texts = [file, entry.get("sha256", ""), entry.get("begin", ""), *(further if isinstance(further, list) else [None])]
-    if not all(isinstance(text, str) and "\0" not in text for text in texts) or file != Path(file).name:
+    if not all(isinstance(text, str) and "\0" not in text for text in texts) or file != PureWindowsPath(file).name:
         return False
-    return not any(Path(name).is_absolute() or ".." in Path(name).parts for name in further)
+    return all(_is_inside(name) for name in further)
+
+
+def _is_inside(name: str) -> bool:
+    """True for a relative name without steps up, on every system."""
+    path = PureWindowsPath(name)  # both / and \ separate its parts
+    return not path.anchor and ".." not in path.parts
 
 
 @dataclass(frozen=True)
@@ -221,7 +232,7 @@ class Manifest:
         """Append a line. Raises ``WrsimError`` when the folder cannot be written."""
         with plain_disk_errors(self.path), self._open() as stream:
             end = stream.seek(0, os.SEEK_END)
-            torn = end > 0 and os.pread(stream.fileno(), 1, end - 1) != b"\n"
+            torn = end > 0 and system.read_at(stream.fileno(), 1, end - 1) != b"\n"
             stream.write(b"\n" * torn + json.dumps(entry, ensure_ascii=False).encode() + b"\n")
 
     def wrote(self, path: Path) -> bool:

@@ -12,6 +12,7 @@ import os
 import shutil
 import sys
 import tempfile
+import weakref
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
@@ -46,15 +47,33 @@ def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
     path = Path(path)
     with plain_disk_errors(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(prefix=f".{path.name}.", suffix=".part", dir=path.parent) as stream:
+        scratch = _scratch_file(path.parent, path.name)
+        try:
             try:
-                with netCDF4.Dataset(stream.name, "w", format="NETCDF4") as file:
+                with netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
                     _fill(file, dataset)
             except (RuntimeError, OSError) as problem:  # netCDF-C reports "HDF error" or no access, whatever it was
                 full = shutil.disk_usage(path.parent).free < LARGE
                 raise OSError(errno.ENOSPC if full else errno.EIO, str(problem)) from problem
-            size = os.fstat(stream.fileno()).st_size
-            return write_atomically(path, _with_checksum(iter(lambda: stream.read(_PIECE), b"")), size)
+            with open(scratch, "rb") as stream:
+                size = os.fstat(stream.fileno()).st_size
+                return write_atomically(path, _with_checksum(iter(lambda: stream.read(_PIECE), b"")), size)
+        finally:
+            scratch.unlink(missing_ok=True)
+
+
+def _scratch_file(folder: Path, name: str) -> Path:
+    """An empty file beside one of that name, which its maker removes."""
+    handle, scratch = tempfile.mkstemp(prefix=f".{name}.", suffix=".part", dir=folder)
+    os.close(handle)
+    return Path(scratch)
+
+
+def _remove(file: netCDF4.Dataset, path: Path) -> None:
+    """Close a scratch file and remove it, if it is there yet."""
+    if file.isopen():
+        file.close()
+    path.unlink(missing_ok=True)
 
 
 def read_netcdf(path: Path, what: str) -> xr.Dataset:
@@ -83,6 +102,10 @@ def read_netcdf(path: Path, what: str) -> xr.Dataset:
     return opened
 
 
+class _Scratch(xr.backends.NetCDF4DataStore):
+    """A scratch file that is read; unlike its base it can have weak references."""
+
+
 class Channels:
     """Channels of n samples of a run, filled block by block; many are in a file of ``folder``, if there is one."""
 
@@ -106,8 +129,9 @@ class Channels:
             return
         import netCDF4
 
-        self._name = tempfile.NamedTemporaryFile(prefix=".result.nc.", suffix=".part", dir=folder)  # noqa: SIM115
-        self._file = netCDF4.Dataset(self._name.name, "w")
+        self._scratch = _scratch_file(folder, "result.nc")
+        self._file = netCDF4.Dataset(self._scratch, "w")
+        self._removal = weakref.finalize(self, _remove, self._file, self._scratch)
         self._file.set_fill_off()
         for name, (shape, kind) in layout.items():
             dims = CHANNELS[name].dims_in("time")
@@ -119,13 +143,21 @@ class Channels:
             target.set_auto_maskandscale(False)
 
     def filled(self) -> dict[str, Any]:
-        """All channels: arrays, or variables of a file whose name is gone, so that it goes with this process."""
+        """All channels: arrays, or variables of a file whose name is gone, so that it goes with this process; on
+        Windows with the last variable."""
         if self._file is None:
             return self._arrays
+        import netCDF4
+
+        self._removal.detach()
         self._file.close()
-        with self._name:
-            opened = xr.open_dataset(self._name.name, engine="netcdf4", decode_cf=False, cache=False)
-            return {str(name): variable for name, variable in opened.variables.items()}
+        file = netCDF4.Dataset(self._scratch)
+        store = _Scratch(file)
+        weakref.finalize(store, _remove, file, self._scratch)
+        if sys.platform != "win32":
+            self._scratch.unlink()
+        opened = xr.open_dataset(store, decode_cf=False, cache=False)
+        return {str(name): variable for name, variable in opened.variables.items()}
 
 
 def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:

@@ -10,7 +10,6 @@ a whole record all the same.
 """
 
 import contextlib
-import fcntl
 import json
 import os
 import struct
@@ -23,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from wrsim import system
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import open_plain
 from wrsim.results.files import lock, open_no_link, plain_disk_errors
@@ -132,7 +132,7 @@ def is_running(path: str | Path) -> bool:
     """True while a run is writing to the file (as far as the system knows)."""
     with contextlib.suppress(OSError), open(path, "rb") as stream:
         try:
-            fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            system.lock(stream, shared=True)
         except BlockingIOError:
             return True
     return False
@@ -161,16 +161,16 @@ def run_header(path: Path) -> Header:
 
 
 def _records(path: Path, file: int) -> Generator[Record]:
-    begin = os.pread(file, len(SIGNATURE), 0)
+    begin = system.read_at(file, len(SIGNATURE), 0)
     cut_off = f"{path}: the run was cut off before its start; run the scenario again"
     if begin != SIGNATURE:
         if begin[:_NAMED] == SIGNATURE[:_NAMED] and len(begin) == len(SIGNATURE):
             raise InputError(f"{path}: written by another version of wrsim, in a layout that this one does not read")
         raise InputError(cut_off if SIGNATURE.startswith(begin) else f"{path}: not the file of a run of wrsim")
     place, length = len(SIGNATURE), os.fstat(file).st_size
-    while len(frame := os.pread(file, FRAME.size, place)) == FRAME.size:
+    while len(frame := system.read_at(file, FRAME.size, place)) == FRAME.size:
         size, checksum = FRAME.unpack(frame)
-        content = os.pread(file, size, place + FRAME.size) if size <= length - place else b""
+        content = system.read_at(file, size, place + FRAME.size) if size <= length - place else b""
         if not content or len(content) < size or zlib.crc32(content) != checksum:
             break
         place += FRAME.size + size

@@ -10,7 +10,7 @@ import json
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import Any
 
 from wrsim.errors import InputError
@@ -42,7 +42,7 @@ class KeptFiles:
         for path in contents:
             inside = [folder for folder in prefixes if path.is_relative_to(folder)]
             named = {f"{prefixes[folder]}/{path.relative_to(folder).as_posix()}": path for folder in inside}
-            names |= named or {str(path): path}
+            names |= named or {path.as_posix(): path}
         users = [prefixes[folder] for folder in user_folders()]
         return cls(dict(contents), [prefixes[folder] for folder in folders], users, names)
 
@@ -72,7 +72,7 @@ def scenario_of(attributes: Mapping[str, Any], folder: str | Path, models: Seque
 
     def path(name: str) -> Path:
         first, _, rest = name.partition("/")
-        return folder_of(first) / rest if first else Path(name)
+        return Path(name) if PureWindowsPath(name).anchor else folder_of(first) / rest
 
     try:
         content = zlib.decompressobj().decompress(base64.b64decode(str(attributes[ATTRIBUTE])), 2 * LARGEST)

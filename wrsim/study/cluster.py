@@ -6,7 +6,6 @@ TLS, and each shows a certificate (docs/user/security.md).
 
 import asyncio
 import logging
-import os
 import signal
 import sys
 from collections.abc import Iterator
@@ -18,6 +17,7 @@ from types import ModuleType
 from typing import Any
 
 from wrsim.errors import InputError, WrsimError
+from wrsim.study.pool import ATTEMPTS, ONE_THREAD, Pool
 
 try:
     import cryptography as cryptography
@@ -33,8 +33,8 @@ except ModuleNotFoundError as error:
     fault = f"studies and other analyses of many runs need {error.name}: install it with pip install 'wrsim[study]'"
     raise InputError(fault) from None
 
-ONE_THREAD = {name: "1" for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
-"""Environment of a worker: it computes one case at a time, on one processor."""
+PLAIN_PROCESSES = sys.platform == "win32"
+"""Whether workers of this machine are processes of a `Pool`: dask has not been shown to work there."""
 QUIET = {"DASK_LOGGING__DISTRIBUTED": "critical"}
 """Silent workers: the study reports what happens to them."""
 
@@ -43,8 +43,6 @@ MEMORY = "2GB"
 LOOPBACK = "127.0.0.1"
 WAIT = 20
 """Time that a scheduler has to answer [s]."""
-ATTEMPTS = 2
-"""How many workers may die at the same case before it is tried alone, and again before it counts as failed."""
 CA, CERT, KEY = "ca.pem", "cert.pem", "key.pem"
 """A folder of certificates: of the authority, one's own, its key."""
 
@@ -104,6 +102,9 @@ def _without_script() -> Iterator[None]:
 def _deaf_to_ctrl_c() -> Iterator[None]:
     """A terminal sends Ctrl-C to all processes: those that are started here, and later by threads that begin here, do
     not take it; they end with their cluster. This process takes it when the block ends."""
+    if sys.platform == "win32":
+        yield
+        return
     resource_tracker.ensure_running()  # its start would undo the mask
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -113,11 +114,16 @@ def _deaf_to_ctrl_c() -> Iterator[None]:
 
 
 @contextmanager
-def local_workers(count: int) -> Iterator[Client]:
+def local_workers(count: int) -> Iterator[Client | Pool]:
     """Worker processes on this machine; one that dies is started again.
 
-    They listen on the loopback interface and accept the certificate that is made here, which is in no file.
+    They listen on the loopback interface and accept the certificate that is made here, which is in no file; those of a
+    pool listen to nothing.
     """
+    if PLAIN_PROCESSES:
+        with _without_script(), Pool(count) as pool:
+            yield pool
+        return
     security = Security.temporary()
     here: dict[str, Any] = {"host": LOOPBACK, "protocol": "tls://", "security": security, "dashboard": False}
     options = {"worker_class": QuietWorker, "nthreads": 1, "memory_limit": MEMORY_LIMIT // count}
@@ -214,7 +220,7 @@ def slurm_security(certificates: Path | None, folder: Path) -> Iterator[Security
     made = Security.temporary()
     with TemporaryDirectory(prefix=".tls-", dir=folder) as private:
         for name, text in ((CA, made.tls_ca_file), (CERT, made.tls_client_cert), (KEY, made.tls_client_key)):
-            (Path(private) / name).write_text(text)
+            (Path(private) / name).write_text(text, encoding="utf-8")
         yield security_of(Path(private), *roles) or made
 
 
@@ -274,16 +280,13 @@ def _settings() -> Iterator[None]:
         logger.setLevel(level)
 
 
-def check_threads(client: Client) -> None:
+def check_threads(client: Client | Pool) -> None:
     """Raises ``InputError`` for workers with more than one thread: a case has a processor to itself."""
+    if isinstance(client, Pool):
+        return
     for address, worker in client.scheduler_info(n_workers=-1)["workers"].items():
         if worker["nthreads"] != 1:
             raise InputError(
                 f"worker {address} has {worker['nthreads']} threads: start it with 'dask worker --nthreads 1' and as "
                 "many workers as processors (--nworkers)"
             )
-
-
-def processors() -> int:
-    """How many processors this process may use."""
-    return len(os.sched_getaffinity(0))

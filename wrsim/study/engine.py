@@ -14,8 +14,10 @@ from wrsim.inputs.toml_files import texts_in
 from wrsim.results import write_atomically
 from wrsim.results.files import Keeper, Manifest, digest_of, keeping
 from wrsim.study import cluster, task
-from wrsim.study.cluster import ATTEMPTS, Client, Future, KilledWorker, address_of, as_completed, check_threads
+from wrsim.study.cluster import Client, Future, KilledWorker, address_of, as_completed, check_threads
 from wrsim.study.plan import PLAN, Plan
+from wrsim.study.pool import ATTEMPTS, Call, Completed, Pool, WorkerDied
+from wrsim.system import processors
 
 LOGGER = logging.getLogger("wrsim.study")
 Bar = Callable[[], AbstractContextManager[Progress | None]]
@@ -73,7 +75,7 @@ def warm_remotely(client: Client, plan: Plan, digest: str, cases: Sequence[int])
 
 
 def execute(
-    client: Client,
+    client: Client | Pool,
     plan: Plan,
     cases: Sequence[int],
     progress: Progress | None = None,
@@ -105,7 +107,7 @@ def execute(
                 _note_killed(plan, index)
 
 
-def _handed_out(client: Client, plan: Plan, cases: Sequence[int], expected: int) -> Iterator[tuple[int, bool]]:
+def _handed_out(client: Client | Pool, plan: Plan, cases: Sequence[int], expected: int) -> Iterator[tuple[int, bool]]:
     """Cases in the order in which they come to an end, and whether their workers died.
 
     A worker has one case and the next one at hand: the scheduler's memory does not grow with the study.
@@ -114,7 +116,7 @@ def _handed_out(client: Client, plan: Plan, cases: Sequence[int], expected: int)
     waiting = iter(cases)
     running: dict[str, int] = {}
 
-    def submitted(index: int) -> Future:
+    def submitted(index: int) -> Future | Call:
         key = f"{plan.cases[index].name}-{session}"
         running[key] = index
         return client.submit(task.run_case, plan.folder, digest, index, key=key)
@@ -122,11 +124,12 @@ def _handed_out(client: Client, plan: Plan, cases: Sequence[int], expected: int)
     def room() -> int:
         return AT_HAND * max(expected, sum(client.nthreads().values())) - len(running)
 
-    done = as_completed([submitted(i) for i in islice(waiting, room())], loop=client.loop)
+    begun = [submitted(i) for i in islice(waiting, room())]
+    done = Completed(client, len(begun)) if isinstance(client, Pool) else as_completed(begun, loop=client.loop)
     for future in done:
         index = running.pop(future.key)
         error = future.exception() if future.status == "error" else None
-        if error is not None and not isinstance(error, KilledWorker):
+        if error is not None and not isinstance(error, KilledWorker | WorkerDied):
             reason = f"{'' if isinstance(error, WrsimError) else f'{type(error).__name__}: '}{error}"
             kept = "cases that are done are kept: start the same command again to go on"
             raise WrsimError(f"case {plan.cases[index].label}: {reason}; {kept}")
@@ -185,10 +188,10 @@ def worker_pool(
 
     count: of processes or jobs, None: the usual; most: cases that there may be at once; progress: a bar.
     """
-    expected = count or (1 if slurm else cluster.processors())
-    client: Client | None = None
+    expected = count or (1 if slurm else processors())
+    client: Client | Pool | None = None
 
-    def started(plan: Plan, first: Sequence[int]) -> Client:
+    def started(plan: Plan, first: Sequence[int]) -> Client | Pool:
         if scheduler is None and not slurm:
             for i in first:  # compile once
                 task.compile_for(plan.scenario(plan.cases[i]))

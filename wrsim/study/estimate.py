@@ -12,11 +12,11 @@ from wrsim.register import ANALYSES
 from wrsim.results.table import Column, Table
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
-from wrsim.study.cluster import processors
 from wrsim.study.collect import MOST_LISTED, markers_of
 from wrsim.study.engine import kinds, missing
 from wrsim.study.plan import Plan
 from wrsim.study.task import COMPLETED, Marker, StopCase, compile_for
+from wrsim.system import processors
 
 PROBES = 3
 """Cases that are tried, spread over the study."""
