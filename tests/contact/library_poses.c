@@ -3,8 +3,10 @@
  *     library_poses CONTACT POSES RESULTS FOLLOW THREADS
  *
  * POSES: rows of 13 doubles, the pose and the place. RESULTS: of every pose its result, patches and strips as they lie
- * in memory. Ends with 0 if all threads have the same bytes. */
+ * in memory. Ends with 0 if all threads have the same bytes. THREADS 0: without threads. */
+#ifndef _WIN32
 #include <pthread.h>
+#endif
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,20 +72,25 @@ int main(int count, char **words)
     if (count != 6) return 2;
     int threads = atoi(words[5]), bad = 0;
     FILE *in = fopen(words[2], "rb"), *out = fopen(words[3], "wb");
-    if (!in || !out || threads < 1) return 2;
+    if (!in || !out || threads < 0) return 2;
     fseek(in, 0, SEEK_END);
     long size = ftell(in);
     rewind(in);
     double *poses = malloc((size_t)size);
     if (!poses || fread(poses, 1, (size_t)size, in) != (size_t)size) return 2;
-    struct work *work = calloc((size_t)threads, sizeof *work);
-    pthread_t *running = calloc((size_t)threads, sizeof *running);
-    for (int t = 0; t < threads; t++) {
+    struct work *work = calloc((size_t)threads + 1, sizeof *work);
+    for (int t = 0; t <= threads; t++)
         work[t] = (struct work){words[1], poses, size / 8 / 13, atoi(words[4]), 0, NULL, 0, 0};
-        pthread_create(&running[t], NULL, compute, &work[t]);
+    if (threads == 0) {
+        compute(&work[0]);
+        bad = work[0].failed;
     }
+#ifndef _WIN32
+    pthread_t *running = calloc((size_t)threads, sizeof *running);
+    for (int t = 0; t < threads; t++) pthread_create(&running[t], NULL, compute, &work[t]);
+    for (int t = 0; t < threads; t++) pthread_join(running[t], NULL);
+#endif
     for (int t = 0; t < threads; t++) {
-        pthread_join(running[t], NULL);
         bad |= work[t].failed || work[t].size != work[0].size || memcmp(work[t].out, work[0].out, work[0].size) != 0;
     }
     fwrite(work[0].out, 1, work[0].size, out);

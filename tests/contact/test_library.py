@@ -13,13 +13,13 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
-from support.contacts import RADIUS, bench, pair_model, rail_profile, settle, wheel_profile
+from support.contacts import PAIRS, RADIUS, bench, pair_model, rail_profile, settle, wheel_profile
 from support.objects import kept_objects
 
 from wrsim import Friction, Harmonic, InputError, WrsimError, contact_model
 from wrsim.contact import records as k
 from wrsim.contact.arrays import Arrays
-from wrsim.contact.library.build import build_library, library_name, public_header
+from wrsim.contact.library.build import LINKING, build_library, library_name, public_header
 from wrsim.contact.library_file import MAGIC
 from wrsim.contact.settings import FrictionAlong
 from wrsim.contact.status import WORDS, status_words
@@ -88,22 +88,22 @@ def built(tmp_path_factory):
     return folder
 
 
-def compile_program(folder, source, *options):
+def compile_program(folder, source, *options, compiler=(CC,), ending=""):
     """Compile a program beside the library, as its users do."""
-    flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", *options, f"-I{folder}", f"-L{folder}", f"-Wl,-rpath,{folder}"]
-    command = [CC, *flags, str(source), "-o", str(folder / source.stem), "-lwrsim_contact", "-lm"]
-    subprocess.run(command, check=True)
+    flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", *options, f"-I{folder}", f"-L{folder}"]
+    command = [*compiler, *flags, str(source), "-o", str(folder / f"{source.stem}{ending}"), "-lwrsim_contact", "-lm"]
+    subprocess.run([*command, f"-Wl,-rpath,{folder}"], check=True)
 
 
-def contacts_in_c(built, model, rows, follow=False, threads=1):
-    """What the program writes for poses and places (n, 13)."""
-    files = [built / name for name in ("model.contact", "poses", "results")]
-    model.save_for_library(files[0])
-    np.ascontiguousarray(rows, dtype=float).tofile(files[1])
-    command = [built / "library_poses", *files, str(int(follow)), str(threads)]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, (done.returncode, done.stderr)
-    return files[2].read_bytes()
+def contacts_in_c(built, model, rows, follow=False, threads=1, program=("./library_poses",)):
+    """What the program writes for poses and places (n, 13); program: the command that starts it."""
+    files = "model.contact", "poses", "results"
+    model.save_for_library(built / files[0])
+    np.ascontiguousarray(rows, dtype=float).tofile(built / files[1])
+    command = [*program, *files, str(int(follow)), str(threads)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=built)
+    assert done.returncode == 0, (done.returncode, done.stdout, done.stderr)
+    return (built / files[2]).read_bytes()
 
 
 def contacts_in_python(model, rows, follow=False):
@@ -214,6 +214,16 @@ class Opened:
 
     def close(self):
         self.library.wrsim_contact_free(self.handle)
+
+
+def names_in(library):
+    """Names of the header in a library of whatever format."""
+    return {name.decode() for name in re.findall(rb"wrsim_contact_[a-z_]+", library.read_bytes())}
+
+
+def in_contact(model, rows):
+    """Those poses in which the wheel touches the rail."""
+    return np.array([row for row in rows if model.evaluate(*row[:12].reshape(4, 3), place=row[12]).force.any()])
 
 
 @pytest.fixture
@@ -345,6 +355,13 @@ def test_what_cannot_be_saved_or_built_or_raises_an_error_is_told(tmp_path, monk
     opened.close()
 
 
+@pytest.mark.parametrize("target", ["linux-arm", "macos"])
+def test_a_library_for_another_system_has_the_functions_of_the_header(tmp_path, monkeypatch, target):
+    monkeypatch.setattr("wrsim.contact.library.build.STAGES", {k.CONTACT: raises})
+    assert names_in(build_library(tmp_path, target)) == FUNCTIONS
+    assert (tmp_path / "wrsim_contact.h").read_text() == public_header()
+
+
 def test_forces_that_are_no_numbers_are_no_result(built, saved):
     path, model = saved
     pose = poses_under_load(model, (3e-3,))[0, :12]
@@ -437,3 +454,45 @@ def test_a_library_for_common_processors_has_the_bits_of_this_machine(built, tmp
         model = pair_model(PAIR, normal=normal)
         rows = around(poses_under_load(model), 500, 3)
         assert contacts_in_c(tmp_path, model, rows) == contacts_in_python(model, rows)
+
+
+def command_on(target, folder):
+    """The command that starts the program for a target on this machine."""
+    sizes = [str(kind.itemsize) for kind in (RESULT, PATCH, STRIP)]
+    commands = {
+        "linux": ["qemu-x86_64-static", "-cpu", "Nehalem", "./library_poses"],  # of 2008: SSE4.2
+        "linux-arm": ["qemu-aarch64-static", "-L", "/usr/aarch64-linux-gnu", "./library_poses"],
+        "windows": [os.environ.get("WRSIM_WINE", "wine"), "library_poses.exe"],
+        "wasm": ["node", str(Path(__file__).with_name("library_poses.mjs")), library_name("wasm"), *sizes],
+    }
+    if shutil.which(commands[target][0]) is None:
+        pytest.skip(f"there is no {commands[target][0]} here")
+    if target in ("linux-arm", "windows"):
+        zig = [sys.executable, "-m", "ziglang", "cc", "-target", LINKING[target][1]]
+        ending = ".exe" if target == "windows" else ""
+        compile_program(folder, Path(__file__).with_name("library_poses.c"), compiler=zig, ending=ending)
+    elif target == "linux":
+        compile_program(folder, Path(__file__).with_name("library_poses.c"), "-pthread")
+    return commands[target]
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("target", ["linux", "linux-arm", "windows", "wasm"])
+def test_809_poses_have_the_numbers_of_this_machine_on_another(built, tmp_path, monkeypatch, target):
+    monkeypatch.setattr("wrsim.contact.library.build.emit_objects", kept_objects)
+    assert names_in(build_library(tmp_path, target)) == FUNCTIONS
+    program = command_on(target, tmp_path)
+    for normal, tolerance in zip(NORMALS, (1e-15, 1e-9), strict=True):
+        errors = []
+        for pair, count in zip(PAIRS, (162, 162, 162, 162, 161), strict=True):
+            model = pair_model(pair, normal=normal)
+            rows = in_contact(model, around(poses_under_load(model), 3 * count, 809))[:count]
+            content = contacts_in_c(tmp_path, model, rows, threads=0, program=program)
+            for result, other in zip(results_of(content), results_of(contacts_in_c(built, model, rows)), strict=True):
+                assert (result["patches"], result["status"]) == (other["patches"], other["status"])
+                for part in ("force", "moment"):
+                    size = np.abs(other[part]).max()
+                    errors.append(np.abs(result[part] - other[part]).max() / size if size else 0.0)
+        equal = sum(error == 0.0 for error in errors)
+        print(f"{target} {normal}: {equal} of {len(errors)} vectors to the bit, largest error {max(errors):.2g}")
+        assert len(errors) == 2 * 809 and max(errors) <= tolerance

@@ -31,14 +31,14 @@ from wrsim.jit.objects import TARGETS, emit_constant, emit_objects, this_target
 
 SOURCE = Path(__file__).parent
 HEADER = "wrsim_contact.h"
-OPTIONS = "-std=c11 -O2 -ffp-contract=off -fvisibility=hidden"
+OPTIONS = "-std=c11 -O2 -s -ffp-contract=off -fvisibility=hidden"
 _ELF = "-fPIC -shared -Wl,-z,defs -lm"
 LINKING = {
     "linux": ("so", "x86_64-linux-gnu.2.17", _ELF),
     "linux-arm": ("so", "aarch64-linux-gnu.2.17", _ELF),
-    "windows": ("dll", "x86_64-windows-gnu", "-shared -s -Wl,--out-implib,made/wrsim_contact.lib"),
-    "macos": ("dylib", "aarch64-macos.11.0", "-fPIC -shared -s"),
-    "wasm": ("wasm", "wasm32-wasi", "-mexec-model=reactor -s -Wl,--export-dynamic,--export=malloc,--export=free"),
+    "windows": ("dll", "x86_64-windows-gnu", "-shared -Wl,--out-implib,made/wrsim_contact.lib"),
+    "macos": ("dylib", "aarch64-macos.11.0", "-fPIC -shared"),
+    "wasm": ("wasm", "wasm32-wasi", "-mexec-model=reactor -Wl,--export-dynamic,--export=malloc,--export=free"),
 }
 """Ending, name of the system for zig, and options, by target."""
 RECORDS = {"call": k.CALL, "state": k.STATE, "memo": MEMO, "lobe": k.LOBE, "strip": k.STRIP, "total": k.TOTAL}
