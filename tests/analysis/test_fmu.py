@@ -1,11 +1,12 @@
-"""A vehicle as a co-simulation unit of FMI 3.0: valid, the bits of the stepper, laws of its inputs, what it refuses."""
+"""A vehicle as a co-simulation unit of FMI 3.0 and 2.0: valid, the bits of the stepper, laws of its inputs, what it
+refuses, the systems it runs on."""
 
 import os
 import shutil
 import sys
 import zipfile
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numba
 import numpy as np
@@ -16,10 +17,13 @@ from support.runs import FAST, arc, straight, transition
 from support.vehicles import ROOT
 
 from wrsim import InputError, WrsimError, load, stepper, write_unit
+from wrsim.jit.objects import this_target
 from wrsim.simulation.stepper import Stepper
 
 fmpy = pytest.importorskip("fmpy")
+from fmpy import fmi2  # noqa: E402
 from fmpy.fmi1 import FMICallException  # noqa: E402
+from fmpy.fmi2 import FMU2Slave  # noqa: E402
 from fmpy.fmi3 import FMU3Slave  # noqa: E402
 from fmpy.validation import validate_fmu  # noqa: E402
 
@@ -42,31 +46,33 @@ COACH = load(ROOT / "scenarios/manchester_r300.toml").with_values(
 )
 
 
-class Unit(FMU3Slave):
+class Unit:
     """An instance of a unit, in step mode at the time 0 after `start`."""
 
+    messages: list[str]
+
     def __init__(self, description: Any, folder: str) -> None:
-        self.messages: list[str] = []
+        self.messages = []
         identifier = description.coSimulation.modelIdentifier
         super().__init__(guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="coach")
         self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
 
-    def start(self) -> "Unit":
+    def start(self: Any) -> Any:
         self.instantiate(logMessage=lambda environment, status, category, text: self.messages.append(text.decode()))
         return self.begin()
 
-    def begin(self) -> "Unit":
+    def begin(self: Any) -> Any:
         self.enterInitializationMode()
         self.exitInitializationMode()
         return self
 
-    def __getitem__(self, name: str) -> float:
+    def __getitem__(self: Any, name: str) -> float:
         return float(self.getFloat64([self.references[name]])[0])
 
-    def __setitem__(self, name: str, value: float) -> None:
+    def __setitem__(self: Any, name: str, value: float) -> None:
         self.setFloat64([self.references[name]], [value])
 
-    def step(self, count: int = 1) -> None:
+    def step(self: Any, count: int = 1) -> None:
         self.doStep(self["time"], count * STEP)
 
     def refusal(self, call: Any, *arguments: Any) -> str:
@@ -76,22 +82,52 @@ class Unit(FMU3Slave):
         return self.messages[-1]
 
 
-@pytest.fixture(scope="module")
-def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+class FMU3Unit(Unit, FMU3Slave):
+    """Of FMI 3.0."""
+
+    names: ClassVar = {"get": "fmi3GetFloat64", "step": "fmi3DoStep", "whole": "fmi3GetInt32"}
+
+
+class FMU2Unit(Unit, FMU2Slave):
+    """Of FMI 2.0, whose calls have other names. fmpy takes the version from the name of a class."""
+
+    names: ClassVar = {"get": "fmi2GetReal", "step": "fmi2DoStep", "whole": "fmi2GetInteger"}
+    getFMUState, setFMUState = FMU2Slave.getFMUstate, FMU2Slave.setFMUstate
+    serializeFMUState, deserializeFMUState = FMU2Slave.serializeFMUstate, FMU2Slave.deSerializeFMUstate
+    getFloat64, setFloat64, getInt32 = FMU2Slave.getReal, FMU2Slave.setReal, FMU2Slave.getInteger
+
+    def start(self) -> "FMU2Unit":
+        def told(environment: Any, name: bytes, status: int, category: bytes, text: bytes) -> None:
+            assert name == b"coach"
+            self.messages.append(text.decode())
+
+        functions = fmi2.fmi2CallbackFunctions()
+        functions.logger = fmi2.fmi2CallbackLoggerTYPE(told)
+        self.instantiate(callbacks=functions)
+        self.setupExperiment()
+        return self.begin()
+
+
+@pytest.fixture(scope="module", params=["3", "2"])
+def file(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("wrsim.contact.library.build.emit_objects", kept_objects)
-        return Path(write_unit(COACH, tmp_path_factory.mktemp("unit") / "coach.fmu").files[0])
+        path = tmp_path_factory.mktemp("unit") / "coach.fmu"
+        written = write_unit(COACH, path, fmi=request.param, systems=this_target())
+    assert written.lines == [f"FMI {request.param}.0, for {this_target()}; steps of 1 ms"]
+    return Path(written.files[0])
 
 
 @pytest.fixture(scope="module")
 def made(file: Path) -> Any:
     """Instances of the unit, as many as a test asks for."""
     folder, description = fmpy.extract(str(file)), fmpy.read_model_description(str(file))
-    yield lambda: Unit(description, folder).start()
+    kind = FMU2Unit if description.fmiVersion == "2.0" else FMU3Unit
+    yield lambda: kind(description, folder).start()
     shutil.rmtree(folder)
 
 
-def outputs(of: Unit | Stepper) -> bytes:
+def outputs(of: Any) -> bytes:
     """All outputs, in the order of a stepper's."""
     if isinstance(of, Stepper):
         return np.array([float(view[0]) for view in of.outputs.values()]).tobytes()
@@ -194,20 +230,20 @@ def test_what_a_unit_cannot_do_or_be_is_refused(made: Any, file: Path, tmp_path:
     torque, force = (unit.references[f"rear.inner.{name}"] for name in ("torque_Nm", "Y_left_N"))
     assert unit.refusal(unit.setFloat64, [torque], [np.nan]) == "rear.inner.torque_Nm: must be a finite number, not nan"
     assert unit.refusal(unit.setFloat64, [force], [0.0]) == "rear.inner.Y_left_N: is no input"
-    assert "no variable 9999" in unit.refusal(unit.getFloat64, [9999])
+    assert unit.refusal(unit.getFloat64, [9999]) == f"{unit.names['get']}: there is no variable 9999"
     assert "whole number of steps of 0.001 s" in unit.refusal(unit.doStep, 0.0, 0.0015)
     assert "the unit is at the time 0 s" in unit.refusal(unit.doStep, 0.5, STEP)
-    assert "fmi3GetInt32: is not offered" in unit.refusal(unit.getInt32, [1])
+    assert f"{unit.names['whole']}: is not offered" in unit.refusal(unit.getInt32, [1])
     unit.step()  # none of it did any harm
     unit["push.force_y_N"] = 1e9
     assert "left the track's neighbourhood" in unit.refusal(unit.step, 2000) or "not a number" in unit.messages[-1]
-    assert unit.refusal(unit.step) == "fmi3DoStep: the unit is failed"
+    assert unit.refusal(unit.step) == f"{unit.names['step']}: the unit is failed"
     unit.reset()
-    assert unit.refusal(unit.step) == "fmi3DoStep: the unit is instantiated"
+    assert unit.refusal(unit.step) == f"{unit.names['step']}: the unit is instantiated"
     unit.begin().step()
     description = fmpy.read_model_description(str(file))
     description.guid = "another"
-    stranger = Unit(description, unit.unzipDirectory)
+    stranger = type(unit)(description, unit.unzipDirectory)
     with pytest.raises(Exception, match="Failed to instantiate"):
         stranger.start()
     assert "the instantiation token is not that of this unit" in stranger.messages[-1]
@@ -221,7 +257,46 @@ def test_what_a_unit_cannot_do_or_be_is_refused(made: Any, file: Path, tmp_path:
     assert "'--step-ms'" in refusal("fmu", scenario, "--step-ms", "7")
     with pytest.raises(InputError, match=r"^step = 0\.1: must be above 0"):
         write_unit(COACH, tmp_path / "coach.fmu", step=0.1)
+    with pytest.raises(InputError, match=r'--for "win": must be .* did you mean "windows"'):
+        write_unit(COACH, tmp_path / "coach.fmu", systems="linux, win")
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(WrsimError, match="no C compiler"):
-        write_unit(COACH, tmp_path / "coach.fmu")
+        write_unit(COACH, tmp_path / "coach.fmu", systems=this_target())
     assert not (tmp_path / "coach.fmu").exists()
+
+
+@pytest.mark.parametrize(
+    ("version", "folders"),
+    [
+        ("2", ["aarch64-linux/x.so", "darwin64/x.dylib", "linux64/x.so", "win64/x.dll"]),
+        ("3", ["aarch64-darwin/x.dylib", "aarch64-linux/x.so", "x86_64-linux/x.so", "x86_64-windows/x.dll"]),
+    ],
+)
+def test_a_unit_has_a_library_for_every_system_that_there_is_a_compiler_for(version, folders, tmp_path, monkeypatch):
+    def linked(*arguments: Any) -> bytes:
+        return str(arguments[-1]).encode()
+
+    monkeypatch.setattr("wrsim.simulation.fmu.shared_library", linked)
+    path = tmp_path / "x.fmu"
+    for zig, told in ((True, 1), (False, 4)):
+        if not zig:
+            monkeypatch.setattr("wrsim.contact.library.build.find_spec", lambda name: None)
+        written = write_unit(COACH, path, fmi=version)
+        with zipfile.ZipFile(path) as archive:
+            found = sorted(name.removeprefix("binaries/") for name in archive.namelist() if name.startswith("binaries"))
+        assert found == (folders if zig else [name for name in folders if "aarch64" not in name and "linux" in name])
+        assert len(written.lines) == told
+    assert written.lines[1] == "not for linux-arm: needs zig: pip install 'wrsim[cross]'"
+    with pytest.raises(WrsimError, match=r"^windows: needs zig"):
+        write_unit(COACH, path, fmi=version, systems="windows")
+
+
+def test_a_unit_of_fmi_2_is_told_its_start_and_knows_its_last_time(tmp_path: Path, made: Any) -> None:
+    unit = made()
+    if not isinstance(unit, FMU2Unit):
+        return
+    unit.reset()
+    unit.setupExperiment(startTime=2.5)
+    unit.begin().doStep(2.5, STEP)
+    assert unit["time"] == unit.getRealStatus(2) == 2.5 + STEP
+    assert not unit.getBooleanStatus(3)

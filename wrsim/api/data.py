@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from wrsim.api import options
 from wrsim.api.options import AnyPath, Argument, Option, documented, into
@@ -16,6 +16,7 @@ from wrsim.register import ANALYSES
 Kind = Annotated[
     str, Argument(f"{', '.join(ANALYSES)} (scenarios), vehicle, train, track, profile, study, wear.", "KIND")
 ]
+SYSTEMS = "linux", "linux-arm", "windows", "macos"
 TEMPLATES = (
     "vehicle: coach, metro, freight, tram, locomotive, wheelset; track: curve, line; profile: wheel, rail, worn-wheel."
 )
@@ -111,16 +112,22 @@ def write_unit(
     values: options.Values = (),
     *,
     step: Annotated[float, "Step of the integration [s]."] = 1e-3,
+    fmi: Annotated[Literal["2", "3"], Option("Version of FMI: 2.0 or 3.0.", "2|3")] = "3",
+    systems: Annotated[
+        str,
+        Option("Systems it runs on; default: all that there is a C compiler for.", ",".join(SYSTEMS), flags="--for"),
+    ] = "",
     models: options.Models = (),
 ) -> Outcome:
-    """Write the vehicle of a run as a co-simulation unit (FMI 3.0, Linux, a C compiler is needed).
+    """Write the vehicle of a run as a co-simulation unit (FMI 3.0 or 2.0).
 
     The unit starts from the start of the run; it needs no Python when it runs.
+    Machine code for this system needs a C compiler, that for others zig (pip install ziglang).
 
     Returns
     -------
     Outcome
-        ``["inputs"]``: their names.
+        ``["inputs"]``: their names; ``["fmi"]``, ``["systems"]``.
 
     Raises
     ------
@@ -128,6 +135,7 @@ def write_unit(
         As `stepper`; WrsimError without a C compiler.
     """
     from wrsim.analysis.motion.fmu import export_fmu
+    from wrsim.inputs.values import choice
     from wrsim.results import write_atomically
     from wrsim.results.files import KEEPER
 
@@ -135,8 +143,15 @@ def write_unit(
     path = Path(output or f"{loaded.path.stem if loaded.path else 'vehicle'}.fmu")
     if (keeper := KEEPER.get()) is not None:
         keeper.check(path)  # before the work
-    content, inputs = export_fmu(loaded, path.stem, step)
-    return Outcome([], {"inputs": inputs}, [write_atomically(path, content)])
+    chosen = [system.strip() for system in systems.split(",") if system.strip()]
+    for system in chosen:
+        if system not in SYSTEMS:
+            raise InputError(f'--for "{system}": must be {choice(SYSTEMS, system)}, or several of them with commas')
+    unit = export_fmu(loaded, path.stem, step, list(dict.fromkeys(chosen)), fmi)
+    lines = [f"FMI {fmi}.0, for {', '.join(unit.systems)}; steps of {1e3 * step:g} ms"]
+    lines += [f"not for {missing}" for missing in unit.missing]
+    numbers = {"inputs": unit.inputs, "fmi": fmi, "systems": unit.systems}
+    return Outcome([], numbers, [write_atomically(path, unit.content)], lines=lines)
 
 
 @documented

@@ -1,18 +1,43 @@
 """A scenario's vehicle as a co-simulation unit (`simulation.fmu`), with the scenario and its model files."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 from wrsim.analysis.motion.run import BENCH_STEP, stepper
+from wrsim.contact.library.build import compiler_for
 from wrsim.contact.models import NORMAL_MODELS
+from wrsim.errors import WrsimError
 from wrsim.scenario.build import build, name_among_models
 from wrsim.scenario.loading import Scenario
-from wrsim.simulation.fmu import pack_fmu
+from wrsim.simulation.fmu import FOLDERS, pack_fmu
 
 
-def export_fmu(scenario: Scenario, name: str, step: float = BENCH_STEP) -> tuple[bytes, list[str]]:
-    """The unit as the bytes of its file, and the names of its inputs; step: of the integration [s].
+class Unit(NamedTuple):
+    """A unit: the bytes of its file, the names of its inputs, the systems it runs on, and why not on others."""
 
-    name: of the file, without its ending. Raises InputError and SimulationError as `stepper`, WrsimError without a
-    C compiler.
+    content: bytes
+    inputs: list[str]
+    systems: list[str]
+    missing: list[str]
+
+
+def export_fmu(
+    scenario: Scenario, name: str, step: float = BENCH_STEP, systems: Sequence[str] = (), version: str = "3"
+) -> Unit:
+    """A scenario's vehicle as a unit; step: of the integration [s].
+
+    name: of the file, without its ending; systems: that it shall run on, none for all that there is a compiler for;
+    version: of FMI. Raises InputError and SimulationError as `stepper`, WrsimError without a C compiler.
     """
+    missing = {}
+    for system in systems or FOLDERS[version]:
+        try:
+            compiler_for(system)
+        except WrsimError as problem:
+            missing[system] = str(problem)
+    chosen = [system for system in systems or FOLDERS[version] if system not in missing]
+    if missing and (systems or not chosen):
+        raise WrsimError(next(iter(missing.values())))
     bench, setup = stepper(scenario, step), build(scenario)
     text, resources = scenario.text, {}
     for file in setup.files:
@@ -21,4 +46,5 @@ def export_fmu(scenario: Scenario, name: str, step: float = BENCH_STEP) -> tuple
         text = text.replace(f'"{file}"', f'"{name_among_models(scenario, file)}"')  # of files that are named absolutely
     resources["scenario.toml"] = text.encode()
     normal = NORMAL_MODELS[setup.contact.normal].kernel
-    return pack_fmu(bench, normal, name, scenario.title, setup.plan.duration, resources), list(bench.inputs)
+    content = pack_fmu(bench, normal, name, scenario.title, setup.plan.duration, resources, chosen, version)
+    return Unit(content, list(bench.inputs), chosen, list(missing.values()))

@@ -99,7 +99,7 @@ def _link(
     constants: Mapping[str, bytes], target: str,
 ) -> dict[str, bytes]:  # fmt: skip
     """As `shared_library`: what the linker makes, by file names; on Windows there is an import library as well."""
-    compiler = _compiler(target)
+    compiler = compiler_for(target)
     stages_by_name = {_name(number): kernel for number, kernel in table.items()} | dict(more)
     objects = {f"kernels_{i}.o": code for i, code in enumerate(emit_objects(stages_by_name, target))}
     objects |= {f"{name}.o": emit_constant(name, content, target) for name, content in constants.items()}
@@ -119,8 +119,8 @@ def _link(
         return {path.name: path.read_bytes() for path in made.iterdir()}
 
 
-def _compiler(target: str) -> list[str]:
-    """The command of a C compiler for a target."""
+def compiler_for(target: str) -> list[str]:
+    """The command of a C compiler for a target. Raises WrsimError where there is none, with what brings one."""
     compiler = shlex.split(os.environ.get("CC", "cc")) if target == this_target() else []
     if compiler and shutil.which(compiler[0]):
         return compiler
