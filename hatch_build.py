@@ -1,7 +1,7 @@
 """Takes compiled kernels into a wheel: those of the folder that WRSIM_KERNELS names (made by ``.ci/wheel``).
 
-Such a wheel is for one minor version of Python and one platform. Without the variable it is for all of them, and
-kernels are compiled where it is installed.
+Such a wheel is for one minor version of Python and one platform: those of this process, or of the tag in WRSIM_TAG. Without
+the variable it is for all of them, and kernels are compiled where it is installed.
 """
 
 import os
@@ -18,4 +18,7 @@ class Kernels(BuildHookInterface):
         if folder := os.environ.get("WRSIM_KERNELS"):
             build_data["force_include"][folder] = "wrsim/kernels"
             build_data["pure_python"] = False
-            build_data["infer_tag"] = True
+            if tag := os.environ.get("WRSIM_TAG"):
+                build_data["tag"] = tag
+            else:
+                build_data["infer_tag"] = True
