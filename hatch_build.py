@@ -1,7 +1,7 @@
 """Takes compiled kernels into a wheel: those of the folder that WRSIM_KERNELS names (made by ``.ci/wheel``).
 
-Such a wheel is for one minor version of Python and one platform: those of this process, or of the tag in WRSIM_TAG. Without
-the variable it is for all of them, and kernels are compiled where it is installed.
+Such a wheel is for one minor version of Python and one platform, of this process or as the tag in WRSIM_TAG says.
+Without kernels it is for all of them, and kernels are compiled where it is installed.
 """
 
 import os
