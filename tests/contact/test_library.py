@@ -359,10 +359,7 @@ def test_what_cannot_be_saved_or_built_or_raises_an_error_is_told(tmp_path, monk
 def test_a_library_for_another_system_has_the_functions_of_the_header(tmp_path, monkeypatch, target):
     pytest.importorskip("ziglang", reason="the contact alone has no compiler for other systems")
     monkeypatch.setattr("wrsim.contact.library.build.STAGES", {k.CONTACT: raises})
-    library = build_library(tmp_path, target)
-    assert names_in(library) == FUNCTIONS
-    # programs look for it beside them, not where it was linked
-    assert (b"@rpath/libwrsim_contact.dylib" in library.read_bytes()) == (target == "macos")
+    assert names_in(build_library(tmp_path, target)) == FUNCTIONS
     assert (tmp_path / "wrsim_contact.h").read_text() == public_header()
 
 

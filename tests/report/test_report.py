@@ -19,7 +19,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from markupsafe import escape
-from support.browser import Browser, browser
+from support.browser import Browser, browser, unexplained
 from support.commands import call
 from support.pictures import leave_unpainted
 from support.runs import FAST, SCENARIOS, arc, straight, transition
@@ -101,16 +101,6 @@ class Structure(HTMLParser):
             self.mute.append(self.get_starttag_text() or "")
         if tag == "svg" and own.get("role") == "img" and not own.get("aria-label"):
             self.mute.append(self.get_starttag_text() or "")
-
-
-def unexplained(browser: Browser) -> list[str]:
-    """Controls of a page without a name, a title of theirs or of their group, or out of the keyboard's reach."""
-    found: list[str] = browser.run(
-        "return [...document.querySelectorAll('button, input, select')].filter((e) => {"
-        " const name = e.ariaLabel || [...e.labels].map((l) => l.textContent.trim()).join('') || e.textContent.trim();"
-        " return !name || !e.closest('[title]') || e.tabIndex < 0 }).map((e) => e.outerHTML)"
-    )
-    return found
 
 
 @given(st.integers(1, 3000), st.integers(0, 2**32 - 1))

@@ -79,3 +79,13 @@ def browser() -> Iterator[Browser]:
         yield Browser(opened)
     finally:
         opened.quit()
+
+
+def unexplained(browser: Browser) -> list[str]:
+    """Controls of a page without a name, a title of theirs or of their group, or out of the keyboard's reach."""
+    found: list[str] = browser.run(
+        "return [...document.querySelectorAll('button, input, select')].filter((e) => {"
+        " const name = e.ariaLabel || [...e.labels].map((l) => l.textContent.trim()).join('') || e.textContent.trim();"
+        " return !name || !e.closest('[title]') || e.tabIndex < 0 }).map((e) => e.outerHTML)"
+    )
+    return found

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Unpack
 
 from wrsim.api import options
-from wrsim.api.options import AnyPath, Argument, Option, ResultLike, documented, into
+from wrsim.api.options import AnyPath, Argument, Option, Reading, ResultLike, documented, into
 from wrsim.api.outcome import Outcome, as_list, as_result, folder_beside, name_of, paths_in
 from wrsim.errors import InputError
 
@@ -95,6 +95,74 @@ def write_view(
     beside = folder_beside(result) if paths_in(result) else folder
     page = view_page(as_result(result), beside, list(map(Path, models)))
     return Outcome([], {}, [write_atomically(folder / "view.html" if file is None else Path(file), page.encode())])
+
+
+@documented
+def write_live(
+    files: Annotated[
+        str | Sequence[str],
+        Argument(
+            '"contact", and profiles of wheels and rails, such as wheels/S1002.toml rails/60E1.toml; folders of them.',
+            "contact FILE...",
+            kind=list[str],
+        ),
+    ],
+    file: Annotated[AnyPath, into("The page.", "HTML", default="<FILE>.html")] = None,
+    *,
+    gauge_mm: Annotated[float, Option("Gauge, 14 mm below the rail tops.", least=400.0, most=2000.0)] = 1435.0,
+    flange_back_mm: Annotated[float, Option("Distance of the flange backs.", least=300.0, most=1900.0)] = 1360.0,
+    inclination: Annotated[str, Option('Inclination of the rails: 1:40, 1:20 ... or "none".')] = "1:40",
+    radius_mm: Annotated[float, Option("Radius of the wheels at the tape circle.", least=100.0, most=1500.0)] = 460.0,
+    friction: Annotated[float, Option("Coefficient of friction to begin with.", least=0.0, most=0.8)] = 0.35,
+    load_kN: Annotated[float, Option("Wheel load to begin with.", least=0.5, most=250.0)] = 60.0,
+    models: options.Models = (),
+    **reading: Unpack[Reading],
+) -> Outcome:
+    """Write a live page: a wheel to be dragged, turned and loaded on its rail. It contains a program.
+
+    Every wheel is paired with every rail, by the strip model and Kik and Piotrowski's. The page runs without network.
+
+    Returns
+    -------
+    Outcome
+        ``files``; ``value`` has the pairs.
+
+    Raises
+    ------
+    InputError
+        For other files, and for wheels without rails.
+    """
+    from wrsim.analysis.conicity.pairs import Pairing
+    from wrsim.contact.profiles.files import reading_options
+    from wrsim.contact.profiles.models import readings_of
+    from wrsim.report.live_contact import MOST_PAIRS, LivePair, contact_page
+    from wrsim.results import write_atomically
+
+    kind, *names = [files] if isinstance(files, str) else list(files)
+    if kind != "contact":
+        raise InputError(f'{kind}: must be "contact", with profiles of wheels and rails behind it')
+    pairing = Pairing(flange_back_mm / 1e3, inclination, "none", models, reading)
+    with reading_options(**reading):
+        readings, faults = readings_of(names, None, models)
+    if faults:
+        raise InputError("\n".join(faults))
+    profiles = {name: each.profile for name, each in readings.items()}
+    wheels = {name: p for name, p in profiles.items() if p.kind == "wheel"}
+    rails = {name: p.inclined(pairing.slope) for name, p in profiles.items() if p.kind == "rail"}
+    if not wheels or not rails:
+        raise InputError(f"{' '.join(names) or 'contact'}: at least one wheel and one rail are needed")
+    if len(wheels) * len(rails) > MOST_PAIRS:
+        raise InputError(f"{len(wheels)} wheels on {len(rails)} rails: a page takes at most {MOST_PAIRS} pairs")
+    radius, gauge = radius_mm / 1e3, gauge_mm / 1e3
+    pairs = [
+        LivePair.usual(f"{w} on {r}{pairing.inclined}", wheel, rail, radius, gauge, pairing.spacing(wheel, wheel))
+        for w, wheel in wheels.items()
+        for r, rail in rails.items()
+    ]
+    title = pairs[0].name if len(pairs) == 1 else f"{', '.join(wheels)} on {', '.join(rails)}{pairing.inclined}"
+    page = contact_page(pairs, title, friction, 1e3 * load_kN)
+    target = Path(file) if file is not None else Path(f"{kind}.html")
+    return Outcome([], {}, [write_atomically(target, page.encode())], value=pairs)
 
 
 @documented

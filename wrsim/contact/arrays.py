@@ -30,7 +30,7 @@ class Arrays(NamedTuple):
     found: Any  # (8,) FOUND: what the search found
     patches: Any  # (lobes,) LOBE: result
     strips: Any  # (lobes, n) STRIP: result
-    work: Any  # (14, >= strips, >= 8) scratch
+    work: Any  # (SCRATCH, >= strips, >= 8) scratch; with lobes * cells rows more for tractions over their bound
     influence: Any  # table of the strip model (contact.strips.influence)
     rows: Any  # (grids, ROWS) ROW of the strip model
     places: Any  # (grids * n,) PLACE of the strip model
@@ -45,6 +45,7 @@ class Arrays(NamedTuple):
 
 
 ARRAYS = len(Arrays._fields)
+SCRATCH = 14  # rows of ``work`` that kernels need
 READ_ONLY = {"wheel", "rail", "rates", "stations", "field", "creep", "shape", "model", "influence", "friction", "depth"}
 TABLES = tuple(i for i, name in enumerate(Arrays._fields) if name in READ_ONLY)
 """Arrays that kernels only read."""

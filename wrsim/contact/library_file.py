@@ -6,7 +6,10 @@ the buffer, of bytes of the description; description, index, buffer; CRC-32 of a
 
 import struct
 import zlib
+from itertools import pairwise
 from pathlib import Path
+
+import numpy as np
 
 from wrsim.contact.arrays import Arrays
 from wrsim.contact.workspace import pack
@@ -14,16 +17,31 @@ from wrsim.errors import WrsimError
 from wrsim.jit.cache import digest_of_sources
 
 MAGIC, VERSION = b"wrsimcon", 1
+HEAD = "<8sq16sqqq"
 
 
-def save_library(inputs: Arrays, description: str, path: str | Path) -> None:
-    """Write the workspace that a model computes in. Raises WrsimError where the file cannot be written."""
+def library_bytes(inputs: Arrays, description: str) -> bytes:
+    """The file of the workspace that a model computes in."""
     packed = pack(inputs)
     words = description.encode()
     digest = digest_of_sources().encode()
-    head = struct.pack("<8sq16sqqq", MAGIC, VERSION, digest, len(inputs), packed.buffer.size, len(words))
+    head = struct.pack(HEAD, MAGIC, VERSION, digest, len(inputs), packed.buffer.size, len(words))
     content = head + words + packed.index.astype("<i8").tobytes() + packed.buffer.astype("<f8").tobytes()
+    return content + struct.pack("<Q", zlib.crc32(content))
+
+
+def pieces_of(content: bytes) -> list[bytes]:
+    """Such a file cut into head, arrays and checksum: files share arrays."""
+    *_, count, _doubles, letters = struct.unpack_from(HEAD, content)
+    begin = struct.calcsize(HEAD) + letters
+    index = np.frombuffer(content, "<i8", 4 * count, begin).reshape(count, 4)
+    cuts = [0, *(begin + index.nbytes + 8 * np.unique(index[:, 0])).tolist(), len(content) - 8, len(content)]
+    return [content[a:b] for a, b in pairwise(cuts)]
+
+
+def save_library(content: bytes, path: str | Path) -> None:
+    """Write such a file. Raises WrsimError where it cannot be written."""
     try:
-        Path(path).write_bytes(content + struct.pack("<Q", zlib.crc32(content)))
+        Path(path).write_bytes(content)
     except OSError as problem:
         raise WrsimError(f"{path}: cannot be written ({problem.strerror})") from None

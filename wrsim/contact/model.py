@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 
 from wrsim.contact import records as k
 from wrsim.contact import tables
-from wrsim.contact.arrays import Arrays
+from wrsim.contact.arrays import SCRATCH, Arrays
 from wrsim.contact.batch import Contacts, evaluate_poses
 from wrsim.contact.creep.laws import CREEP_LAWS, KERNEL_LAWS
-from wrsim.contact.library_file import save_library
+from wrsim.contact.library_file import library_bytes, save_library
 from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong
 from wrsim.contact.strips.equations import block_of
@@ -210,13 +210,15 @@ class ContactModel:
         """
         return evaluate_poses(self._batch_inputs, poses, load, place, threads, wheel_angle)
 
-    def save_for_library(self, path: str | Path) -> None:
+    def save_for_library(self, path: str | Path, *, tractions: bool = False) -> None:
         """Write the file that the C library opens (docs/user/library.md).
 
         Parameters
         ----------
         path : str or Path
             A file there is replaced.
+        tractions : bool
+            Whether contacts from this file give tractions in the cells of strips (FASTSIM and FaStrip).
 
         Raises
         ------
@@ -225,8 +227,17 @@ class ContactModel:
         WrsimError
             Where the file cannot be written.
         """
+        save_library(self.library_file(tractions), path)
+
+    def library_file(self, tractions: bool = False) -> bytes:
+        """The bytes of that file."""
         self._check_compiled()
-        save_library(_inputs(self), repr(self), path)
+        inputs = _inputs(self)
+        law = CREEP_LAWS[self.settings.creep_forces]
+        if tractions and law.cells:
+            rows = SCRATCH + len(inputs.patches) * len(inputs.shape)
+            inputs = inputs._replace(work=np.zeros((rows, inputs.work.shape[1])))
+        return library_bytes(inputs, repr(self))
 
     def _check_compiled(self) -> None:
         if self.normal.solve is not None:
@@ -344,7 +355,7 @@ def _inputs(model: ContactModel) -> Arrays:
         found=np.zeros(8, k.FOUND),
         patches=np.zeros(lobes, k.LOBE),
         strips=np.zeros((lobes, of_a_lobe), k.STRIP),
-        work=np.zeros((14, max(of_a_lobe, 8))),
+        work=np.zeros((SCRATCH, max(of_a_lobe, 8))),
         influence=tables.influence_table() if grids else np.zeros((0, 0)),
         rows=np.zeros((grids, ROWS), ROW),
         places=np.zeros(grids * most, PLACE),

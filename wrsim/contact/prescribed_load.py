@@ -229,6 +229,12 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
 
 
 @kernel
+def contact_at_load(buffer: Array, index: Ints) -> int:
+    """A stage: `meet_load` of the SEARCH record that stands before the contact in a workspace."""
+    return meet_load(buffer, index, records(buffer, index, index.shape[0] - _HELD - 1, SEARCH)[0])
+
+
+@kernel
 def some_poses(buffer: Array, index: Ints) -> int:
     """A stage: contacts at the poses of a workspace, each at its load. Returns 0."""
     contact_index = index[index.shape[0] - _HELD :]

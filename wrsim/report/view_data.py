@@ -233,7 +233,7 @@ def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
     wheels = []
     for mounted in vehicle.wheelsets:
         wheelset = mounted.wheelset
-        shapes = ((wheel.radius, *_shape(wheel.profile, 400, 0.3)) for wheel in (wheelset.left, wheelset.right))
+        shapes = ((wheel.radius, *outline_points(wheel.profile, 400, 0.3)) for wheel in (wheelset.left, wheelset.right))
         sides = [{"radius": radius, "u": _short(u), "r": _short(radius - w)} for radius, u, w in shapes]
         place = {"x": mounted.x, "height": mounted.height, "spacing": wheelset.profile_spacing}
         wheels.append({"name": mounted.name, **place, "sides": sides})
@@ -241,7 +241,7 @@ def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
         {"name": e.name, "kind": e.kind, "first": e.first, "second": e.second, "ends": [list(p) for p in e.points]}
         for e in vehicle.elements
     ]
-    rails = [{"u": _short(u), "w": _short(w)} for u, w in (_shape(rail, 300, 0.5) for rail in setup.rails)]
+    rails = [{"u": _short(u), "w": _short(w)} for u, w in (outline_points(rail, 300, 0.5) for rail in setup.rails)]
     bodies = [{"name": b.name, "centre": list(b.centre), "size": list(b.box)} for b in vehicle.bodies]
     return {
         "name": vehicle.name, "wheelsets": wheels, "bodies": bodies, "elements": elements,
@@ -251,7 +251,7 @@ def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _shape(profile: Profile, count: int, off: float) -> tuple[Array, Array]:
+def outline_points(profile: Profile, count: int, off: float) -> tuple[Array, Array]:
     """The points u, w [m] of so many along a profile that cannot be spared; off: see ``needed`` [mm]."""
     u, w = (np.asarray(x) for x in profile.at(np.linspace(0.0, profile.length, count))[:2])
     i = needed(1e3 * u, 1e3 * w, off)

@@ -3,7 +3,7 @@
 from math import pi, sqrt
 from typing import NamedTuple
 
-from wrsim.contact.arrays import Arrays
+from wrsim.contact.arrays import SCRATCH, Arrays
 from wrsim.contact.creep.fastrip import fastrip
 from wrsim.contact.creep.fastsim import PARABOLA_PEAK, fastsim, fastsim_blended
 from wrsim.contact.creep.flexibility import (
@@ -53,7 +53,9 @@ def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
         soft = Flexibilities(soft.l1 / grip, soft.l2 / grip, soft.l3 / grip)
     if model.slope_k0 != 1.0 or model.slope_beta > 0.0:
         soft = _reduced(a.creep, model, strips, n, normal, mean, ellipse, soft)
-    on = Rolling(strips, n, soft, direction, a.shape, a.work)
+    cells = a.shape.shape[0] if a.work.shape[0] > SCRATCH else 0
+    slip = a.work[SCRATCH + i * cells : SCRATCH + (i + 1) * cells]
+    on = Rolling(strips, n, soft, direction, a.shape, a.work, slip)
     peak = PARABOLA_PEAK if model.parabolic else 1.0
     if law == FASTSIM and model.blended:
         fastsim_blended(on, peak)

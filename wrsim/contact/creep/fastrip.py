@@ -34,7 +34,7 @@ FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken 
 @kernel
 def fastrip(on: Rolling, half_length: float) -> None:
     """Tangential forces of the strips (creep-fastrip), elliptic bound; half_length: of the equivalent ellipse [m]."""
-    strips, n, soft, direction, shape, work = on
+    strips, n, soft, direction, shape, work, _slip = on
     dx = 2.0 / shape.shape[0]
     shift = 16.0 * half_length / (3.0 * pi * pi)
     for i in range(n):

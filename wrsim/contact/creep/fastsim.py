@@ -15,7 +15,7 @@ middle; here every strip keeps its mu N, because friction is a matter of the pla
 from math import pi, sqrt
 
 from wrsim.contact.creep.flexibility import Creepages, Rolling
-from wrsim.contact.creep.march import begin, largest_traction, limit_dissipation, march
+from wrsim.contact.creep.march import TINY, begin, largest_traction, limit_dissipation, march
 from wrsim.jit import kernel
 
 PARABOLA_PEAK = 0.375 * pi  # of the parabola over that of the semi-ellipse of equal force
@@ -26,7 +26,7 @@ def fastsim(on: Rolling, mean: Creepages, peak: float) -> None:
     """Tangential forces of the strips, with three flexibilities throughout. mean: creepages over the patch; peak: of
     the bound over that of the semi-ellipse of equal force, 1 for the elliptic bound, PARABOLA_PEAK for the parabolic
     one."""
-    strips, n, soft, direction, shape, work = on
+    strips, n, soft, direction, shape, work, slip = on
     cells = shape.shape[0]
     step_x, step_y, turn = work[0], work[1], work[2]
     bound = work[3]
@@ -59,6 +59,9 @@ def fastsim(on: Rolling, mean: Creepages, peak: float) -> None:
             fx[i] += tx
             fy[i] += ty
             mz[i] += x * ty
+        if slip.shape[0] > 0:
+            for i in range(n):
+                slip[j, i] = sqrt(qx[i] * qx[i] + qy[i] * qy[i]) / max(bound[i] * shape[j], TINY)
     for i in range(n):
         strip = strips[i]
         cell = dx * strip.a * strip.ds

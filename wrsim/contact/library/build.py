@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import zlib
 from collections.abc import Iterable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,30 +19,38 @@ from typing import Any
 
 import wrsim
 from wrsim.contact import records as k
-from wrsim.contact.arrays import Arrays
+from wrsim.contact.arrays import SCRATCH, Arrays
+from wrsim.contact.batch import DEEPEST, LEAST_SCALE, LOAD_TOLERANCE
 from wrsim.contact.library_file import MAGIC, VERSION
+from wrsim.contact.prescribed_load import SEARCH, contact_at_load
+from wrsim.contact.settings import MOST_FRICTION
 from wrsim.contact.status import WORDS
 from wrsim.contact.strips.records import MEMO
 from wrsim.contact.wheel_rail import STAGES
 from wrsim.errors import WrsimError
 from wrsim.jit import stages
 from wrsim.jit.arena import MEANINGS
-from wrsim.jit.cache import cache_folder, digest_of_sources
+from wrsim.jit.cache import CACHE, FOLDER, cache_folder, digest_of_sources
 from wrsim.jit.objects import TARGETS, emit_constant, emit_objects, this_target
 
 SOURCE = Path(__file__).parent
-HEADER = "wrsim_contact.h"
+HEADER, WASM = "wrsim_contact.h", "contact.wasm"
 OPTIONS = "-std=c11 -O2 -s -ffp-contract=off -fvisibility=hidden"
 _ELF = "-fPIC -shared -Wl,-z,defs -lm"
 LINKING = {
     "linux": ("so", "x86_64-linux-gnu.2.17", _ELF),
     "linux-arm": ("so", "aarch64-linux-gnu.2.17", _ELF),
     "windows": ("dll", "x86_64-windows-gnu", "-shared -Wl,--out-implib,made/wrsim_contact.lib"),
-    "macos": ("dylib", "aarch64-macos.11.0", "-fPIC -shared -Wl,-x,-install_name,@rpath/libwrsim_contact.dylib"),
+    "macos": ("dylib", "aarch64-macos.11.0", "-fPIC -shared"),
     "wasm": ("wasm", "wasm32-wasi", "-mexec-model=reactor -Wl,--export-dynamic,--export=malloc,--export=free"),
 }
 """Ending, name of the system for zig, and options, by target."""
-RECORDS = {"call": k.CALL, "state": k.STATE, "memo": MEMO, "lobe": k.LOBE, "strip": k.STRIP, "total": k.TOTAL}
+RECORDS = {
+    "search": SEARCH, "model": k.MODEL, "call": k.CALL, "state": k.STATE, "memo": MEMO, "lobe": k.LOBE,
+    "strip": k.STRIP, "total": k.TOTAL,
+}  # fmt: skip
+LOAD_STAGE = {"wrsim_at_load": contact_at_load}
+"""The stage of a prescribed load, which no other stage calls."""
 PUBLIC = {
     "PATCH": (
         k.LOBE,
@@ -75,10 +84,29 @@ def build_library(folder: str | Path, target: str = "") -> Path:
     place.mkdir(parents=True, exist_ok=True)
     header = public_header()
     files = {HEADER: header, "contact_kernels.h": _contact_header()}
-    for name, content in _link(SOURCE / "contact.c", STAGES, {}, files, {}, target).items():
+    for name, content in _link(SOURCE / "contact.c", STAGES, LOAD_STAGE, files, {}, target).items():
         (place / name).write_bytes(content)
     (place / HEADER).write_text(header)
     return place / library_name(target)
+
+
+def contact_wasm() -> bytes:
+    """The contact library as WebAssembly: as it came with the package, from the user's cache, or built.
+
+    Raises WrsimError where it has to be built without a compiler (`shared_library`).
+    """
+    inputs = b"".join((SOURCE / name).read_bytes() for name in ("contact.c", "runtime.h", f"{HEADER}.in"))
+    kept = Path(CACHE, f"contact-{zlib.crc32(inputs):08x}.wasm") if CACHE else None
+    for path in (FOLDER / WASM, kept):
+        if path is not None and path.exists() and digest_of_sources().encode() in (content := path.read_bytes()):
+            return content
+    with tempfile.TemporaryDirectory() as scratch:
+        content = build_library(scratch, "wasm").read_bytes()
+    if kept:
+        made = kept.with_suffix(f".{os.getpid()}")
+        made.write_bytes(content)
+        made.replace(kept)
+    return content
 
 
 def shared_library(
@@ -176,7 +204,9 @@ def _contact_header() -> str:
     texts = {"WRSIM_VERSION": wrsim.__version__, "KERNELS": digest_of_sources(), "FILE_MAGIC": MAGIC.decode()}
     plain = {
         "FILE_VERSION": VERSION, "CONTACT_STAGE": _name(k.CONTACT), "COLD_START": k.COLD_START,
-        "FROM_LAST": k.FROM_LAST,
+        "FROM_LAST": k.FROM_LAST, "LOAD_STAGE": next(iter(LOAD_STAGE)), "SCRATCH": SCRATCH,
+        "MOST_FRICTION": MOST_FRICTION, "LOAD_TOLERANCE": LOAD_TOLERANCE, "FARTHEST": DEEPEST,
+        "LEAST_SCALE": LEAST_SCALE,
         "STATUS_WORDS": _listed(f'{{{bit}, "{text}"}}' for bit, text in WORDS.items()),
     }  # fmt: skip
     lines = [f'#define {name} "{text}"' for name, text in texts.items()]

@@ -16,11 +16,12 @@
 
 #define LARGEST 1e9  /* of an argument: products of thirty of them are finite */
 #define ROUGH 1e-6   /* of the axle's length: ten times the round-off of single precision */
+#define SEARCH_DOUBLES ((int64_t)((sizeof(struct search) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT / 8))
 
 struct wrsim_contact {
     double *buffer;
     int64_t doubles;
-    int64_t index[ARRAYS][4]; /* offset and sizes of every array, see wrsim.jit.arena */
+    int64_t rows[1 + ARRAYS][4]; /* offset and sizes of the search for a load and of every array, see wrsim.jit.arena */
     int evaluated;
     char *description;
 };
@@ -48,7 +49,9 @@ static const struct {
     {WRSIM_NOT_FINITE, "the forces are not numbers: the pose, or the turn of the rail, is out of all proportion"},
 };
 
-static void *array(const wrsim_contact *c, int number) { return c->buffer + c->index[number][0]; }
+static const int64_t *row(const wrsim_contact *c, int number) { return c->rows[1 + number]; }
+
+static void *array(const wrsim_contact *c, int number) { return c->buffer + row(c, number)[0]; }
 
 static struct call *call_of(const wrsim_contact *c) { return array(c, ARRAY_CALL); }
 
@@ -160,11 +163,12 @@ static int check(const unsigned char *bytes, size_t size, struct head *head)
 static wrsim_contact *unpack(const unsigned char *bytes, const struct head *head)
 {
     wrsim_contact *c = calloc(1, sizeof *c);
+    const int64_t search[4] = {head->doubles, 1, sizeof(struct search) / 8, 0};
     size_t room = (size_t)head->doubles * 8;
     if (!c) return NULL;
-    c->doubles = head->doubles;
+    c->doubles = head->doubles + SEARCH_DOUBLES;
     c->description = calloc(1, (size_t)head->letters + 1);
-    c->buffer = take((room / ALIGNMENT + 1) * ALIGNMENT);
+    c->buffer = take((size_t)c->doubles * 8);
     if (!c->description || !c->buffer) {
         wrsim_contact_free(c);
         return NULL;
@@ -172,8 +176,9 @@ static wrsim_contact *unpack(const unsigned char *bytes, const struct head *head
     bytes += sizeof *head;
     memcpy(c->description, bytes, (size_t)head->letters);
     bytes += head->letters;
-    memcpy(c->index, bytes, sizeof c->index);
-    memcpy(c->buffer, bytes + sizeof c->index, room);
+    memcpy(c->rows[0], search, sizeof search);
+    memcpy(c->rows[1], bytes, sizeof c->rows - sizeof search);
+    memcpy(c->buffer, bytes + sizeof c->rows - sizeof search, room);
     return c;
 }
 
@@ -265,12 +270,20 @@ int wrsim_contact_turn_wheel(wrsim_contact *contact, double angle)
     return 0;
 }
 
-int wrsim_contact_evaluate(wrsim_contact *contact, const double origin[3], const double axle[3],
-                           const double velocity[3], const double omega[3], double place)
+int wrsim_contact_set_friction(wrsim_contact *contact, double coefficient)
+{
+    if (!contact || !(coefficient >= 0.0 && coefficient <= MOST_FRICTION) || row(contact, ARRAY_FRICTION)[1] > 0)
+        return WRSIM_ARGUMENT;
+    call_of(contact)->mu = call_of(contact)->mu_gauge = coefficient;
+    return 0;
+}
+
+/* Set a pose, which is checked. */
+static int place_wheel(wrsim_contact *contact, const double origin[3], const double axle[3], const double velocity[3],
+                       const double omega[3], double place)
 {
     const double *parts[] = {origin, axle, velocity, omega};
     double *pose;
-    int64_t status;
     if (!contact || !origin || !axle || !velocity || !omega || !small(&place, 1)) return WRSIM_ARGUMENT;
     for (int i = 0; i < 4; i++)
         if (!small(parts[i], 3)) return WRSIM_ARGUMENT;
@@ -280,12 +293,43 @@ int wrsim_contact_evaluate(wrsim_contact *contact, const double origin[3], const
     pose = array(contact, ARRAY_POSE);
     for (int i = 0; i < 12; i++) pose[i] = parts[i / 3][i % 3];
     call_of(contact)->place = place;
+    return 0;
+}
+
+/* Run a stage on the rows from this one on; a status. */
+static int compute(wrsim_contact *contact, int kernel, int first)
+{
+    int64_t status;
     contact->evaluated = 0;
-    status = run(CONTACT_STAGE, contact->buffer, contact->doubles, contact->index[0], ARRAYS, WRSIM_FAILED);
+    status = run(kernel, contact->buffer, contact->doubles, contact->rows[first], 1 + ARRAYS - first, WRSIM_FAILED);
     if (status == WRSIM_FAILED) return WRSIM_FAILED;
     if (!finite(&total_of(contact)->Ft, 3) || !finite(&total_of(contact)->Mt, 3)) return WRSIM_NOT_FINITE;
     contact->evaluated = 1;
     return (int)status;
+}
+
+int wrsim_contact_evaluate(wrsim_contact *contact, const double origin[3], const double axle[3],
+                           const double velocity[3], const double omega[3], double place)
+{
+    int status = place_wheel(contact, origin, axle, velocity, omega, place);
+    return status ? status : compute(contact, CONTACT_STAGE, 1);
+}
+
+int wrsim_contact_solve(wrsim_contact *contact, double load, double origin[3], const double axle[3],
+                        const double velocity[3], const double omega[3], double place)
+{
+    struct search *search;
+    const struct model *model;
+    int status = place_wheel(contact, origin, axle, velocity, omega, place);
+    if (status == 0 && !(load > 0.0 && load <= LARGEST)) status = WRSIM_ARGUMENT;
+    if (status) return status;
+    search = (struct search *)(contact->buffer + contact->rows[0][0]);
+    model = array(contact, ARRAY_MODEL);
+    *search = (struct search){.load = load, .tolerance = LOAD_TOLERANCE, .farthest = FARTHEST, .start = origin[2]};
+    search->scale = fmax(cbrt(9.0 * load * load / (16.0 * model->E * model->E * model->radius)), LEAST_SCALE);
+    status = compute(contact, LOAD_STAGE, 0);
+    origin[2] = ((const double *)array(contact, ARRAY_POSE))[2];
+    return status;
 }
 
 int wrsim_contact_forces(const wrsim_contact *contact, wrsim_contact_result *result)
@@ -317,18 +361,34 @@ int wrsim_contact_patches(const wrsim_contact *contact, wrsim_contact_patch *pat
 int wrsim_contact_strips(const wrsim_contact *contact, int patch, wrsim_contact_strip *strips, int most)
 {
     const struct lobe *lobe;
-    const struct strip *row;
+    const struct strip *first;
     int count;
     if (!contact || !contact->evaluated || most < 0 || (most > 0 && !strips)) return WRSIM_ARGUMENT;
     if (patch < 0 || patch >= total_of(contact)->lobes) return WRSIM_ARGUMENT;
     lobe = (const struct lobe *)array(contact, ARRAY_PATCHES) + patch;
-    row = (const struct strip *)array(contact, ARRAY_STRIPS) + patch * contact->index[ARRAY_STRIPS][2];
+    first = (const struct strip *)array(contact, ARRAY_STRIPS) + patch * row(contact, ARRAY_STRIPS)[2];
     count = (int)lobe->n_strips;
     for (int i = 0; i < count && i < most; i++) {
-        const struct strip *of = row + i;
+        const struct strip *of = first + i;
         strips[i] = (wrsim_contact_strip){STRIP_VALUES(of)};
     }
     return count;
+}
+
+int wrsim_contact_tractions(const wrsim_contact *contact, int patch, double *shares, int most)
+{
+    const struct lobe *lobe;
+    const double *first;
+    int64_t rows, across, cells;
+    if (!contact || !contact->evaluated || most < 0 || (most > 0 && !shares)) return WRSIM_ARGUMENT;
+    if (patch < 0 || patch >= total_of(contact)->lobes) return WRSIM_ARGUMENT;
+    lobe = (const struct lobe *)array(contact, ARRAY_PATCHES) + patch;
+    rows = row(contact, ARRAY_WORK)[1], across = row(contact, ARRAY_WORK)[2], cells = row(contact, ARRAY_SHAPE)[1];
+    if (rows < SCRATCH + row(contact, ARRAY_PATCHES)[1] * cells) return 0;
+    first = (const double *)array(contact, ARRAY_WORK) + (SCRATCH + patch * cells) * across;
+    for (int64_t i = 0; i < lobe->n_strips * cells && i < most; i++)
+        shares[i] = first[i % cells * across + i / cells];
+    return (int)(lobe->n_strips * cells);
 }
 
 int wrsim_contact_words(int status, char *text, size_t size)

@@ -8,7 +8,7 @@ const here = fileURLToPath(new URL(".", import.meta.url));
 const out = process.argv[2] ?? join(here, "..", "bundle");
 await build({
   absWorkingDir: here,
-  entryPoints: { report: "src/report.js", view: "src/view.js", print: "src/print.js" },
+  entryPoints: { report: "src/report.js", view: "src/view.js", print: "src/print.js", live_contact: "src/live_contact.js" },
   outdir: out,
   bundle: true,
   minify: true,

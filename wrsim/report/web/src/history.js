@@ -8,7 +8,7 @@ const MARGIN = { left: 58, right: 12, top: 20, bottom: 32 };
 const words = (v) => Number(v.toPrecision(4)).toString().replace("-", "\u2212");
 
 /** Round ticks, a few of them, from low to high. */
-function ticks(low, high, most) {
+export function ticks(low, high, most) {
   const raw = (high - low) / most, power = 10 ** Math.floor(Math.log10(raw));
   const step = power * [1, 2, 5, 10].find((k) => k * power >= raw);
   const found = [];

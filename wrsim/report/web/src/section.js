@@ -1,14 +1,21 @@
 // One wheel on its rail: the section to scale above, the patches closely beneath it.
 import { painted } from "./canvas.js";
 
-const INK = "#222222", QUIET = "#6b6b6b", RAIL = "#e4e7eb", WHEEL = "#f4efe4";
-const FORCES = { N: "#b00020", Y: "#0072b2", Q: "#00795c" };
+/** Colours of drawings on light and on dark ground. */
+export const LIGHT = {
+  paper: "#ffffff", ink: "#222222", quiet: "#6b6b6b", faint: "#d9d9d9", rail: "#e4e7eb", wheel: "#f4efe4",
+  N: "#b00020", Y: "#0072b2", Q: "#00795c",
+};
+export const DARK = {
+  paper: "#16191d", ink: "#e8e8e8", quiet: "#a3a8ae", faint: "#3c4249", rail: "#2c333b", wheel: "#38342b",
+  N: "#ff7a85", Y: "#62b5ef", Q: "#4fc7a6",
+};
 const WEAR = "#8e44adb0", WEAR_WORDS = "#6c2f87";
 const OVERVIEW = [-88, 58, -42, 22];
 
 export class Section {
-  constructor(canvas, sections, colours) {
-    Object.assign(this, { canvas, sections, colours, wheel: 0, moment: 0, forces: null, drawn: null });
+  constructor(canvas, sections, colours, look = LIGHT) {
+    Object.assign(this, { canvas, sections, colours, look, wheel: 0, moment: 0, forces: null, drawn: null });
     for (const of of sections.of) {
       of.first = [];
       of.patch_moment.forEach((m, k) => (of.first[m] ??= []).push(k));
@@ -57,16 +64,17 @@ export class Section {
   }
 
   paint(g, width, height) {
-    g.fillStyle = "#fff";
+    g.fillStyle = this.look.paper;
     g.fillRect(0, 0, width, height);
     const aspect = (OVERVIEW[3] - OVERVIEW[2]) / (OVERVIEW[1] - OVERVIEW[0]);
     const top = Math.min(width * aspect, 0.46 * height);
     const patches = this.patches();
     this.words = [];
+    this.panels = [];
     this.panel(g, [0, 0, width, top], this.around(OVERVIEW, width / top), patches, false);
     if (patches.length) this.panel(g, [0, top + 6, width, height - top - 6], this.close(patches, width / (height - top - 6)), patches, true);
     else {
-      g.fillStyle = QUIET;
+      g.fillStyle = this.look.quiet;
       g.font = "14px sans-serif";
       g.textAlign = "center";
       g.fillText("no contact here", width / 2, top + (height - top) / 2);
@@ -93,7 +101,7 @@ export class Section {
     this.words.push({ words, box, panel: this.frame });
     g.textAlign = "left";
     g.lineWidth = 3;
-    g.strokeStyle = "#ffffffd0";
+    g.strokeStyle = `${this.look.paper}d0`;
     g.strokeText(words, from, box[1] + size);
     g.fillStyle = colour;
     g.fillText(words, from, box[1] + size);
@@ -122,6 +130,7 @@ export class Section {
   panel(g, [left, top, width, height], window, patches, near) {
     const per = width / (window[1] - window[0]);
     this.frame = [left, top, width, height];
+    this.panels[Number(near)] = { top, per };
     this.taken = [[left, top + height - 24, left + width, top + height]];
     if (near) this.taken.push([left + width - 116, top, left + width, top + 36]);
     const X = (o) => left + (o - window[0]) * per, Y = (b) => top + (window[3] - b) * per;
@@ -139,13 +148,13 @@ export class Section {
       g.closePath();
       g.fillStyle = fill;
       g.fill();
-      g.strokeStyle = INK;
+      g.strokeStyle = this.look.ink;
       g.lineWidth = 1;
       g.stroke();
     };
     const rail = this.rail(this.wheel, this.moment), wheel = this.outline(this.wheel, this.moment);
-    solid(rail, top + height + 50, RAIL);
-    solid(wheel, top - 50, WHEEL);
+    solid(rail, top + height + 50, this.look.rail);
+    solid(wheel, top - 50, this.look.wheel);
     if (of.wear) this.worn(g, of.wear, rail, wheel, X, Y, 0.12 * height, near);
     const reach = near ? 0.3 * Math.min(window[1] - window[0], window[3] - window[2]) : 0;
     for (const patch of patches) {
@@ -158,13 +167,13 @@ export class Section {
         g.beginPath();
         [...line, ...tips.reverse()].forEach(([x, y], i) => (i ? g.lineTo(x, y) : g.moveTo(x, y)));
         g.closePath();
-        g.fillStyle = "#ffffffcc";
+        g.fillStyle = `${this.look.paper}cc`;
         g.fill();
-        g.strokeStyle = INK;
+        g.strokeStyle = this.look.ink;
         g.lineWidth = 1;
         g.stroke();
         tips.reverse();
-        g.strokeStyle = QUIET;
+        g.strokeStyle = this.look.quiet;
         g.lineWidth = 0.6;
         tips.forEach(([x, y], i) => {
           g.beginPath();
@@ -188,7 +197,7 @@ export class Section {
     this.arrows(g, patches, X, Y, (near ? 0.22 : 0.34) * height, near);
     if (near) for (const patch of patches) this.angle(g, patch, patch.points.map(([o, b]) => [X(o), Y(b)]));
     const bar = [20, 10, 5, 2, 1].find((b) => b * per < 0.35 * width) ?? 1;
-    g.strokeStyle = g.fillStyle = INK;
+    g.strokeStyle = g.fillStyle = this.look.ink;
     g.lineWidth = 1.5;
     const y = top + height - 10, x = left + 10;
     g.beginPath();
@@ -198,11 +207,11 @@ export class Section {
     g.font = "12px sans-serif";
     g.textAlign = "left";
     g.fillText(`${bar} mm`, x + bar * per + 6, y + 4);
-    g.fillStyle = QUIET;
+    g.fillStyle = this.look.quiet;
     g.textAlign = "right";
     g.fillText("field side \u2192", left + width - 8, y + 4);
     g.restore();
-    g.strokeStyle = "#d9d9d9";
+    g.strokeStyle = this.look.faint;
     g.lineWidth = 1;
     g.strokeRect(left + 0.5, top + 0.5, width - 1, height - 1);
   }
@@ -233,7 +242,7 @@ export class Section {
   angle(g, patch, line) {
     const [x, y] = line[Math.floor(line.length / 2)];
     const turn = -(patch.angle * Math.PI) / 180;
-    g.strokeStyle = INK;
+    g.strokeStyle = this.look.ink;
     g.lineWidth = 1;
     g.setLineDash([4, 4]);
     for (const a of [0, turn]) {
@@ -248,7 +257,7 @@ export class Section {
     g.stroke();
     g.textAlign = "left";
     const words = `mean \u03b3 = ${patch.angle.toFixed(1)}\u00b0`.replace("-", "\u2212");
-    this.say(g, words, x + 74 * Math.cos(turn / 2) + 6, y + 74 * Math.sin(turn / 2) + 14, 13, INK);
+    this.say(g, words, x + 74 * Math.cos(turn / 2) + 6, y + 74 * Math.sin(turn / 2) + 14, 13, this.look.ink);
   }
 
   /** Forces on the rail at the contacts: N of every patch along its normal, in the whole section Y and Q of the wheel. */
@@ -275,11 +284,11 @@ export class Section {
     patches.forEach((patch, i) => {
       const [o, b] = patch.points[Math.floor(patch.points.length / 2)];
       const turn = (patch.angle * Math.PI) / 180, long = (most * patch.N) / largest;
-      arrow([X(o), Y(b)], [long * Math.sin(turn), long * Math.cos(turn)], FORCES.N, near || patches.length === 1 ? `N ${patch.N.toFixed(1)} kN` : "");
+      arrow([X(o), Y(b)], [long * Math.sin(turn), long * Math.cos(turn)], this.look.N, near || patches.length === 1 ? `N ${patch.N.toFixed(1)} kN` : "");
       if (i || near || !this.forces) return;
       const { Y: side, Q: down } = this.forces;
-      if (Number.isFinite(side)) arrow([X(o), Y(b)], [(most * side) / largest, 0], FORCES.Y, `Y ${side.toFixed(1)} kN`);
-      if (Number.isFinite(down)) arrow([X(o), Y(b)], [0, (most * down) / largest], FORCES.Q, `Q ${down.toFixed(1)} kN`);
+      if (Number.isFinite(side)) arrow([X(o), Y(b)], [(most * side) / largest, 0], this.look.Y, `Y ${side.toFixed(1)} kN`);
+      if (Number.isFinite(down)) arrow([X(o), Y(b)], [0, (most * down) / largest], this.look.Q, `Q ${down.toFixed(1)} kN`);
     });
   }
 
@@ -289,7 +298,7 @@ export class Section {
       g.fillStyle = c;
       g.fillRect(width - 106 + i * wide, top + 24, wide + 0.5, 8);
     });
-    g.fillStyle = INK;
+    g.fillStyle = this.look.ink;
     g.font = "11px sans-serif";
     g.textAlign = "right";
     g.fillText(`p to ${this.sections.most.toFixed(0)} MPa`, width - 10, top + 18);
