@@ -22,7 +22,7 @@ from support.contacts import bench, contact_of, numbers, pair_model, settle, str
 from support.crossings import branches_that_cross
 from support.ellipse import roll
 from support.knife_edge import KnifeEdgeForces, example_wheelset
-from support.objects import kept_object
+from support.objects import kept_objects
 from support.paths import curvature, locate
 from support.vehicles import manchester, on_track, shipped
 from wrsim import Arc, ContactModel, ContactSettings, Flat, Friction, contact_model
@@ -40,6 +40,7 @@ from wrsim.contact.surfaces.rail import unfold
 from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
 from wrsim.contact.wheel_rail import STAGES, compile_stages, place_bodies
 from wrsim.jit.cache import PACKAGE, sources
+from wrsim.jit.objects import this_target
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.force_law import Array, force_derivative
 from wrsim.simulation.implicit_step import ImplicitStep
@@ -383,7 +384,7 @@ def main(form: str = "") -> object:
         settle(bench(pair_model(PAIR, normal="strips", **SMALL), rolling=False), 0.0, 0.0, 1e4)
         locus_point(place_bodies(pair_model(PAIR, **SMALL).arrays.rows)[0], 0.03)
         compile_stages(*STAGES)
-        return kept_object({f"wrsim_stage_{number}": stage for number, stage in STAGES.items()})
+        return kept_objects({f"wrsim_stage_{number}": stage for number, stage in STAGES.items()}, this_target())
     kernels()  # all are imported
     worked = note_first_calls()
     sys.stdout.buffer.write(pickle.dumps((cases(form == "full"), worked)))

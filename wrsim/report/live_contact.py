@@ -46,7 +46,9 @@ class LivePair:
     @classmethod
     def usual(cls, name: str, wheel: Profile, rail: Profile, radius: float, gauge: float, spacing: float) -> "LivePair":
         """With the models as they are without other choices, without damping. gauge, spacing of the profiles [m]."""
-        settings = {normal: ContactSettings(normal=normal, damping=0.0) for normal in NAMES}
+        settings: dict[Normal, ContactSettings] = {
+            normal: ContactSettings(normal=normal, damping=0.0) for normal in NAMES
+        }
         return cls(name, wheel, rail, radius, _place(rail, gauge, spacing), settings)
 
     @property
@@ -72,7 +74,7 @@ def _paper_pair() -> LivePair:
     wheel = load_profile(model_file("wheels/lrv_standin.toml", ()))
     rail = load_profile(model_file("rails/54E1.toml", ())).inclined(1 / 20)
     common: dict[str, Any] = dict(damping=0.0, wheel=PAPER, rail=PAPER)
-    settings = {
+    settings: dict[Normal, ContactSettings] = {
         "strips": ContactSettings(normal="strips", **common),
         "kik-piotrowski": ContactSettings(normal="kik-piotrowski", approach="constant", strip_width=1e-4, **common),
     }
