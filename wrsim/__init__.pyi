@@ -15,6 +15,7 @@ from wrsim.api.data import write_unit as write_unit
 from wrsim.api.outcome import Outcome as Outcome
 from wrsim.api.pages import draw_track as draw_track
 from wrsim.api.pages import look as look
+from wrsim.api.pages import write_live as write_live
 from wrsim.api.pages import write_pictures as write_pictures
 from wrsim.api.pages import write_report as write_report
 from wrsim.api.pages import write_view as write_view

@@ -251,6 +251,61 @@ def test_a_turned_rail_gives_the_same_forces_through_ctypes(built, saved):
     opened.close()
 
 
+@pytest.mark.parametrize("normal", NORMALS)
+def test_a_load_is_met_in_c_with_the_bits_of_solve_many(built, tmp_path, normal):
+    model = pair_model(PAIR, normal=normal)
+    model.save_for_library(tmp_path / "one.contact")
+    opened = Opened(built, tmp_path / "one.contact")
+    solve = opened.library.wrsim_contact_solve
+    rows = poses_under_load(model)[:, :12] + np.where(np.arange(12) == 2, 1e-3, 0.0)
+    for row in rows:  # one by one: the search of solve_many begins with the pose before
+        solved = model.solve_many(row[None], LOAD, threads=1)
+        parts = [(ctypes.c_double * 3)(*part) for part in row.reshape(4, 3)]
+        assert opened.library.wrsim_contact_follow(opened.handle, 0) == 0
+        assert solve(opened.handle, ctypes.c_double(LOAD), *parts, ctypes.c_double(0.0)) == solved.status[0]
+        assert list(parts[0]) == solved.poses[0, :3].tolist()
+        assert np.array_equal(opened.result()["force"], solved.force[0])
+    for load in (0.0, -1.0, np.nan):
+        assert solve(opened.handle, ctypes.c_double(load), *parts, ctypes.c_double(0.0)) == -7
+    opened.close()
+
+
+@pytest.mark.parametrize("normal", NORMALS)
+def test_friction_and_tractions_in_c_are_those_of_python(built, tmp_path, normal):
+    model = pair_model(PAIR, normal=normal, friction=0.1)
+    row = poses_under_load(model, (3e-3,))[0, :12]
+    model.save_for_library(tmp_path / "one.contact", tractions=True)
+    opened, shares = Opened(built, tmp_path / "one.contact"), np.zeros(4000)
+    tractions = opened.library.wrsim_contact_tractions
+    for friction, creepage in ((0.1, 0.0), (0.4, 0.0), (0.4, 0.2)):
+        model.arrays.inputs.mu = model.arrays.inputs.mu_gauge = friction
+        row[10] = SPEED / RADIUS * (1.0 - creepage)
+        assert opened.library.wrsim_contact_set_friction(opened.handle, ctypes.c_double(friction)) == 0
+        assert opened.evaluate(row) == 0
+        contact = model.evaluate(*row.reshape(4, 3))
+        assert np.array_equal(opened.result()["force"], contact.force)
+        cells = model.settings.cells
+        count = tractions(opened.handle, 0, ctypes.c_void_p(shares.ctypes.data), shares.size)
+        assert count == cells * len(contact.strips[0])
+        shown = shares[:count].reshape(-1, cells)
+        assert shown.min() >= 0.0 and shown.max() < 1.0 + 1e-12
+        strips = contact.strips[0]
+        used = np.hypot(strips["Fx"], strips["Fy"]) / (friction * strips["N"])
+        slides = shown > 1.0 - 1e-9
+        assert slides.all() == (creepage > 0.0) and slides.any()
+        assert (used > 0.9).all() or creepage == 0.0  # all along opposite to nearly the same slip
+        if normal == "kik-piotrowski":  # FASTSIM's force is the sum over the cells, whose directions differ
+            bound = model.arrays.rows.shape
+            assert (used <= (shown * bound).sum(axis=1) / bound.sum() + 1e-9).all()
+    for bad in (-0.1, 2.1, np.nan):
+        assert opened.library.wrsim_contact_set_friction(opened.handle, ctypes.c_double(bad)) == -7
+    opened.close()
+    model.save_for_library(tmp_path / "one.contact")
+    opened = Opened(built, tmp_path / "one.contact")
+    assert opened.evaluate(row) == 0 and tractions(opened.handle, 0, None, 0) == 0
+    opened.close()
+
+
 def test_a_wheel_out_of_round_turns_as_in_python(built, tmp_path):
     plain = pair_model(PAIR)
     polygon = contact_model(
@@ -359,7 +414,10 @@ def test_what_cannot_be_saved_or_built_or_raises_an_error_is_told(tmp_path, monk
 def test_a_library_for_another_system_has_the_functions_of_the_header(tmp_path, monkeypatch, target):
     pytest.importorskip("ziglang", reason="the contact alone has no compiler for other systems")
     monkeypatch.setattr("wrsim.contact.library.build.STAGES", {k.CONTACT: raises})
-    assert names_in(build_library(tmp_path, target)) == FUNCTIONS
+    library = build_library(tmp_path, target)
+    assert names_in(library) == FUNCTIONS
+    # programs look for it beside them, not where it was linked
+    assert (b"@rpath/libwrsim_contact.dylib" in library.read_bytes()) == (target == "macos")
     assert (tmp_path / "wrsim_contact.h").read_text() == public_header()
 
 

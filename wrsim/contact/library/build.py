@@ -41,7 +41,7 @@ LINKING = {
     "linux": ("so", "x86_64-linux-gnu.2.17", _ELF),
     "linux-arm": ("so", "aarch64-linux-gnu.2.17", _ELF),
     "windows": ("dll", "x86_64-windows-gnu", "-shared -Wl,--out-implib,made/wrsim_contact.lib"),
-    "macos": ("dylib", "aarch64-macos.11.0", "-fPIC -shared"),
+    "macos": ("dylib", "aarch64-macos.11.0", "-fPIC -shared -Wl,-x,-install_name,@rpath/libwrsim_contact.dylib"),
     "wasm": ("wasm", "wasm32-wasi", "-mexec-model=reactor -Wl,--export-dynamic,--export=malloc,--export=free"),
 }
 """Ending, name of the system for zig, and options, by target."""
