@@ -35,7 +35,8 @@ COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
 FUNCTIONS = {
     "new": "new_file", "run": "run_scenario", "study": "run_study", "type-test": "run_type_test", "wear": "run_wear",
     "plot": "write_pictures", "report": "write_report", "view": "write_view", "vehicle": "stationary",
-    "live": "write_live", "profile": "profiles", "track": "draw_track", "recording": "read_recording", "fmu": "write_unit",
+    "live": "write_live", "profile": "profiles", "track": "draw_track", "recording": "read_recording",
+    "fmu": "write_unit",
 }  # fmt: skip
 """Functions of commands that have another name."""
 

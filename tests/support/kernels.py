@@ -27,8 +27,10 @@ from support.paths import curvature, locate
 from support.vehicles import manchester, on_track, shipped
 from wrsim import Arc, ContactModel, ContactSettings, Flat, Friction, contact_model
 from wrsim.analysis.motion.monitor import Monitor
+from wrsim.contact.arrays import Arrays
 from wrsim.contact.channels import WheelOnRail, wheel_outline
 from wrsim.contact.creep.laws import KERNEL_LAWS
+from wrsim.contact.prescribed_load import SEARCH, contact_at_load
 from wrsim.contact.profiles.sections import circle
 from wrsim.contact.search.locus import locus_point
 from wrsim.contact.settings import ConicalWheels, FrictionAlong, HalfSpaceSettings, Material
@@ -39,6 +41,7 @@ from wrsim.contact.strips.records import UNKNOWNS_PER_STRIP, V
 from wrsim.contact.surfaces.rail import unfold
 from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
 from wrsim.contact.wheel_rail import STAGES, compile_stages, place_bodies
+from wrsim.contact.workspace import pack
 from wrsim.jit.cache import PACKAGE, sources
 from wrsim.jit.objects import this_target
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
@@ -158,6 +161,13 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         found[f"many poses, {threads} threads"] = many.evaluate_many(poses, threads=threads).force.ravel().tolist()
     loaded = many.solve_many(poses, 3e4, threads=1)
     found["many poses under a load"] = [*map(float, loaded.status), *map(float, abs(loaded.force[:, 2] - 3e4) < 0.1)]
+    search = np.zeros(1, SEARCH)
+    search["load"], search["tolerance"], search["farthest"], search["scale"] = 3e4, 1e-8, 5e-3, 1e-4
+    held = pack([search, *many.inputs])
+    held.views[1 + Arrays._fields.index("pose")][:] = poses[0]
+    held.views[0]["start"] = poses[0, 2]
+    met = contact_at_load(held.buffer, held.index)
+    found["a load in C"] = [float(met), float(abs(held.views[-1]["Fb"][0] - 3e4) < 0.1)]
     exact = ContactSettings(normal="half-space", cells=4, half_space=HalfSpaceSettings(resolution=3, tolerance=1e-9))
     model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, exact, FRICTION, dip)
     rolling = model.evaluate((0.0, 0.0, 0.45991), velocity=(20.0, 0.1, 0.0), omega=(0.0, 43.7, 0.0), place=0.02)
