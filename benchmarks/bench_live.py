@@ -34,7 +34,8 @@ FRAMES = """
         times.pictures.push(now - before); before = now;
     }
     page.solve = solve;
-    return Object.values(times).map((t) => (t.sort((a, b) => a - b), [t[t.length >> 1], t[Math.floor(0.95 * t.length)]]));
+    const part = (t, share) => t.sort((a, b) => a - b)[Math.floor(share * t.length)];
+    return Object.values(times).map((t) => [part(t, 0.5), part(t, 0.95)]);
 """
 
 with tempfile.TemporaryDirectory() as folder, browser() as opened:

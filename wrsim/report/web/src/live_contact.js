@@ -9,7 +9,7 @@ import { Wheel, outlineOf, poseOf } from "./wheel.js";
 const $ = (id) => document.getElementById(id);
 const COLOURS = ["#0072b2", "#d55e00"]; // of the two models
 const SCALES = [100, 200, 300, 500, 750, 1000, 1500, 2000, 3000, 5000, 10000]; // ends of the scale of pressure [MPa]
-const DRAWN = 1500; // rows of the trace
+const TRACED = [["p0", "p0 [MPa]"], ["range", "\u0394\u03b3 [\u00b0]"], ["area", "area [mm\u00b2]"]];
 const UNMET = 8 | 16 | 32 | 512 | 2048, ABOVE = 0.02;
 const DEGREES = 180 / Math.PI;
 const words = (v, digits = 4) => (Number.isFinite(v) ? Number(v.toPrecision(digits)).toString().replace("-", "\u2212") : "\u2013");
@@ -97,10 +97,25 @@ class LiveSection extends Section {
   }
 }
 
+const LEVELS = 128, ALONG = 64;
+
+/** Colours along strips, a column for every level of their largest pressure. */
+function columnsOf(colours) {
+  const canvas = Object.assign(document.createElement("canvas"), { width: LEVELS, height: ALONG }), g = canvas.getContext("2d");
+  for (let level = 0; level < LEVELS; level++) {
+    for (let k = 0; k < ALONG; k++) {
+      const along = (2 * k + 1) / ALONG - 1, p = (level / (LEVELS - 1)) * Math.sqrt(1 - along * along);
+      g.fillStyle = colours[Math.min(colours.length - 1, Math.floor(p * colours.length))];
+      g.fillRect(level, k, 1, 1);
+    }
+  }
+  return canvas;
+}
+
 /** One model's patches: pressure and contact angle over the curved axis above, the patches in (s, x) beneath. */
 class Patches {
   constructor(canvas, colours) {
-    Object.assign(this, { canvas, colours, runs: [], most: 1000, zoom: 20 });
+    Object.assign(this, { canvas, runs: [], most: 1000, zoom: 20, columns: columnsOf(colours) });
   }
 
   draw(look) {
@@ -142,7 +157,7 @@ class Patches {
       const edges = tiles[i], s = [edges[0], ...strips.map((t) => t.at), edges[1]];
       line(g, s.map((v, k) => [X(v, i), P(strips[k - 1]?.p ?? 0)]), look.ink, 1.6);
       line(g, strips.map((t) => [X(t.at, i), A(angleOf(t))]), look.Y, 1.6);
-      for (const strip of strips) this.strip(g, strip, X(strip.at, i), Y, count);
+      for (const strip of strips) this.strip(g, strip, X(strip.at, i), Y);
       if (count) this.sliding(g, strips, (at) => X(at, i), Y, cells, count);
       const rim = (side) => strips.map((t) => [X(t.at, i), Y(t.x + side * t.a)]);
       line(g, [[X(edges[0], i), Y(strips[0].x)], ...rim(1), [X(edges[1], i), Y(strips.at(-1).x)], ...rim(-1).reverse(), [X(edges[0], i), Y(strips[0].x)]], look.ink, 1);
@@ -155,14 +170,10 @@ class Patches {
     write(g, "s \u2192 field side, x \u2191 rolling", width - 6, height - 4, look.quiet);
   }
 
-  /** Pressure of a strip, in cells. */
-  strip(g, strip, x, Y, count) {
-    const wide = Math.max(1e3 * strip.ds * this.zoom, 0.5), parts = count || 16, tall = (2e3 * strip.a * this.zoom) / parts;
-    for (let k = 0; k < parts; k++) {
-      const along = 1 - (k + 0.5) * (2 / parts), p = (strip.p * 1e-6 * Math.sqrt(1 - along * along)) / this.most;
-      g.fillStyle = this.colours[Math.min(this.colours.length - 1, Math.floor(p * this.colours.length))];
-      g.fillRect(x - wide / 2, Y(strip.x + along * strip.a) - tall / 2, wide + 0.3, tall + 0.3);
-    }
+  /** The semi-ellipse of pressure along a strip. */
+  strip(g, strip, x, Y) {
+    const wide = Math.max(1e3 * strip.ds * this.zoom, 0.5), level = Math.round((LEVELS - 1) * Math.min((strip.p * 1e-6) / this.most, 1));
+    g.drawImage(this.columns, level, 0, 1, ALONG, x - wide / 2, Y(strip.x + strip.a), wide + 0.3, 2e3 * strip.a * this.zoom);
   }
 
   /** Dots, some pixels apart, in the cells that slide, from the leading edge of each strip on. */
@@ -185,34 +196,58 @@ class Patches {
 /** p0, range of the contact angle and area over the shift, as far as one has been. */
 class Trace {
   constructor(canvas, record) {
-    Object.assign(this, { canvas, record });
+    Object.assign(this, { canvas, record, seen: 0, dots: document.createElement("canvas") });
   }
 
   draw(look, shift) {
     painted(this.canvas, (g, width, height) => this.paint(g, width, height, look, shift));
   }
 
+  /** Limits of what has been recorded, in round numbers; anew where the record is. */
+  limits() {
+    const { rows } = this.record;
+    if (rows[0] !== this.first || rows.length < this.seen) Object.assign(this, { first: rows[0], seen: 0, low: -1, high: 1, most: [1, 1, 1] });
+    for (const row of rows.slice(this.seen)) {
+      [this.low, this.high] = [Math.min(this.low, Math.floor(row.shift_mm)), Math.max(this.high, Math.ceil(row.shift_mm))];
+      TRACED.forEach(([name], k) => {
+        const value = Math.max(row[`${name}_1`] || 0, row[`${name}_2`] || 0), unit = 10 ** Math.floor(Math.log10(value || 1));
+        this.most[k] = Math.max(this.most[k], Math.ceil(value / unit) * unit);
+      });
+    }
+    this.seen = rows.length;
+  }
+
   paint(g, width, height, look, shift) {
     g.fillStyle = look.paper;
     g.fillRect(0, 0, width, height);
     g.font = "11px sans-serif";
-    const rows = this.record.rows.slice(-DRAWN), parts = [["p0", "p0 [MPa]"], ["range", "\u0394\u03b3 [\u00b0]"], ["area", "area [mm\u00b2]"]];
-    const [low, high] = [Math.min(-1, shift, ...rows.map((r) => r.shift_mm)), Math.max(1, shift, ...rows.map((r) => r.shift_mm))];
-    const X = (s) => 46 + ((s - low) / (high - low)) * (width - 58), tall = (height - 22) / 3;
-    parts.forEach(([name, label], k) => {
-      const top = k * tall + 14, bottom = (k + 1) * tall - 2;
-      const most = Math.max(1e-9, ...rows.flatMap((r) => [r[`${name}_1`] || 0, r[`${name}_2`] || 0])), Y = (v) => bottom - (v / most) * (bottom - top);
+    this.limits();
+    const { low, high, most, dots } = this, tall = (height - 22) / 3;
+    const X = (s) => 46 + ((s - low) / (high - low)) * (width - 58);
+    const bottom = (k) => (k + 1) * tall - 2, Y = (v, k) => bottom(k) - (v / most[k]) * (tall - 16);
+    TRACED.forEach(([, label], k) => {
       g.textAlign = "left";
-      write(g, label, 4, top - 3, look.ink);
-      rule(g, 46, bottom, width - 12, look.faint);
+      write(g, label, 4, k * tall + 11, look.ink);
+      rule(g, 46, bottom(k), width - 12, look.faint);
       g.textAlign = "right";
-      write(g, words(most, 3), 42, top + 8, look.quiet);
-      [1, 0].forEach((m) => {
-        g.fillStyle = COLOURS[m];
-        for (const r of rows) if (Number.isFinite(r[`${name}_${m + 1}`])) g.fillRect(X(r.shift_mm) - 1, Y(r[`${name}_${m + 1}`]) - 1, 2, 2);
-      });
+      write(g, words(most[k], 3), 42, k * tall + 22, look.quiet);
     });
-    g.strokeStyle = look.quiet;
+    // dots stay where they are: each frame adds its own
+    const scale = devicePixelRatio || 1, key = [width, height, low, high, ...most, scale].join();
+    if (key !== this.key || this.drawn > this.seen || this.begun !== this.first) {
+      Object.assign(dots, { width: width * scale, height: height * scale });
+      Object.assign(this, { key, drawn: 0, begun: this.first });
+    }
+    const d = dots.getContext("2d");
+    d.setTransform(scale, 0, 0, scale, 0, 0);
+    for (const row of this.record.rows.slice(this.drawn)) {
+      TRACED.forEach(([name], k) => [1, 0].forEach((m) => {
+        d.fillStyle = COLOURS[m];
+        if (Number.isFinite(row[`${name}_${m + 1}`])) d.fillRect(X(row.shift_mm) - 1, Y(row[`${name}_${m + 1}`], k) - 1, 2, 2);
+      }));
+    }
+    this.drawn = this.seen;
+    if (dots.width && dots.height) g.drawImage(dots, 0, 0, width, height);
     rule(g, X(shift), 0, X(shift), look.quiet, 1, height - 20);
     g.textAlign = "center";
     for (const v of ticks(low, high, 6)) write(g, `${v}`.replace("-", "\u2212"), X(v), height - 8, look.quiet);
