@@ -1,5 +1,6 @@
 """Files of points as programs and instruments write them: what is stated, assumed, and contradicted by the shape."""
 
+import os
 import re
 from pathlib import Path
 
@@ -63,7 +64,7 @@ def test_the_page_shows_the_first_lines_of_each_layout_and_the_line_about_it(tmp
         try:
             (note,) = read_points(tmp_path / name, "rail" if name.startswith("rail") else "wheel").profile.notes
         except InputError as error:
-            note = f"refused: {error}".replace(f"{tmp_path}/", "")
+            note = f"refused: {error}".replace(f"{tmp_path}{os.sep}", "")
         assert note == line
 
 

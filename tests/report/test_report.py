@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import re
+import sys
 import zlib
 from collections.abc import Iterator
 from dataclasses import replace
@@ -256,9 +257,12 @@ def test_a_logo_is_a_picture_of_the_kind_that_its_name_says_and_is_never_waited_
         (tmp_path / name).write_bytes(content)
         with pytest.raises(InputError, match=rf"^--logo .*{name}: (is no \w+ picture|has \d+ bytes)"):
             logo_address(tmp_path / name)
-    os.mkfifo(tmp_path / "pipe.png")
-    (tmp_path / "zero.png").symlink_to("/dev/zero")
-    for name, kind in (("pipe", "a pipe"), ("zero", "a device"), ("none", "no such picture")):
+    kinds = {"none": "no such picture"}
+    if sys.platform != "win32":
+        os.mkfifo(tmp_path / "pipe.png")
+        (tmp_path / "zero.png").symlink_to("/dev/zero")
+        kinds |= {"pipe": "a pipe", "zero": "a device"}
+    for name, kind in kinds.items():
         with pytest.raises(InputError, match=rf"^--logo .*{name}\.png: (is )?{kind}"):
             logo_address(tmp_path / f"{name}.png")
 

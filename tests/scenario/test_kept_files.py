@@ -2,7 +2,6 @@
 
 import base64
 import json
-import os
 import re
 import shutil
 import zlib
@@ -51,7 +50,7 @@ def test_what_was_computed_counts_whatever_becomes_of_the_files(tmp_path, monkey
     (models / "wheels/base.toml").write_text(wheel)
     (other / "rail.toml").write_text(rail)
     monkeypatch.setenv("WRSIM_MODELS", str(models))
-    changes = {"vehicle.model": "vehicles/car.toml", "track.rail": str(other / "rail.toml")}
+    changes = {"vehicle.model": "vehicles/car.toml", "track.rail": (other / "rail.toml").as_posix()}
     (folder / "run.toml").write_text(load(SCENARIOS / "manchester_r300.toml").with_values(changes).text)
     about = attributes_of(load(folder / "run.toml"))
     assert about["vehicle"] == load_vehicle(folder / "vehicles/car.toml").name != "car"
@@ -78,9 +77,10 @@ def test_model_files_of_a_result_that_are_damaged_are_one_clear_error(odd, tmp_p
         scenario_of({"scenario_text": CURVE, "model_files": odd}, tmp_path)
 
 
-def test_model_files_of_a_result_open_no_file(tmp_path):
+def test_model_files_of_a_result_open_no_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path.parent)
     (tmp_path / "secret.toml").write_text("root:x:0:0\n")
-    for name in (str(tmp_path / "secret.toml"), "../secret.toml", os.path.relpath(tmp_path / "secret.toml")):
+    for name in ((tmp_path / "secret.toml").as_posix(), "../secret.toml", f"{tmp_path.name}/secret.toml"):
         about = {"scenario_text": re.sub(r"(?m)^rail = .*$", f'rail = "{name}"', CURVE), "model_files": packed()}
         with pytest.raises(InputError, match=r"lies outside of|not found") as told:
             build(scenario_of(about, tmp_path))

@@ -202,11 +202,11 @@ def test_a_scan_of_the_other_body_is_told(tmp_path: Path) -> None:
         u, w = profile.at(np.linspace(0.0, profile.length, 400))
         np.savetxt(tmp_path / f"{name}.csv", 1e3 * np.column_stack([u, w]), delimiter=",")
     scenario = load(SCENARIOS / "curve_r300.toml")
-    (told,) = warnings(build(scenario.with_values({"track.rail": str(tmp_path / "wheel.csv")})))
+    (told,) = warnings(build(scenario.with_values({"track.rail": (tmp_path / "wheel.csv").as_posix()})))
     assert "profile 'wheel' of a rail is shaped like a wheel" in told
     with pytest.raises(InputError, match=r"rail.csv: .* unless it is a rail: no flange is seen"):
-        build(scenario.with_values({"vehicle.wheel": str(tmp_path / "rail.csv")}))
-    right = {"vehicle.wheel": str(tmp_path / "wheel.csv"), "track.rail": str(tmp_path / "rail.csv")}
+        build(scenario.with_values({"vehicle.wheel": (tmp_path / "rail.csv").as_posix()}))
+    right = {"vehicle.wheel": (tmp_path / "wheel.csv").as_posix(), "track.rail": (tmp_path / "rail.csv").as_posix()}
     assert warnings(build(scenario.with_values(right))) == []
 
 

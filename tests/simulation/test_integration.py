@@ -1,7 +1,6 @@
 """How a time integration goes and how it ends: samples, progress, stops, faults; convergence, derivatives of forces."""
 
 import gc
-import os
 import shutil
 import signal
 import threading
@@ -158,7 +157,7 @@ def test_a_system_is_as_good_as_new_after_a_run_that_broke():
 def test_ctrl_c_ends_the_run_after_the_step_and_keeps_what_was_computed():
     def press(t, q, q_t):
         if abs(t - 0.05) < 1e-9:
-            os.kill(os.getpid(), signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
 
     before = signal.getsignal(signal.SIGINT)
     motion = run(monitor=press)
@@ -173,7 +172,7 @@ def test_a_second_ctrl_c_ends_at_once():
         out.fill(0.0)
         if t > 0.05:
             for _ in range(2):
-                os.kill(os.getpid(), signal.SIGINT)
+                signal.raise_signal(signal.SIGINT)
             raise AssertionError("not reached")
 
     motion = run(stuck)

@@ -1,5 +1,6 @@
 """Small valid scenarios, and what is said about them after an edit."""
 
+import os
 from pathlib import Path
 
 from wrsim import InputError, load
@@ -16,7 +17,7 @@ def faults(text: str, folder: Path, name: str = "case.toml") -> list[str]:
     try:
         build(load(folder / name))
     except InputError as error:
-        return [line.removeprefix(f"{folder}/") for line in str(error).split("\n")]
+        return [line.removeprefix(f"{folder}{os.sep}") for line in str(error).split("\n")]
     return []
 
 

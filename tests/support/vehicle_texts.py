@@ -1,5 +1,6 @@
 """A vehicle's file in short, and what is said of it when it is changed."""
 
+import os
 from pathlib import Path
 
 from support.vehicles import read_vehicle
@@ -18,5 +19,5 @@ def fault(folder: Path, *changes: tuple[str, str], text: str = GOOD) -> str:
     try:
         read_vehicle(file)
     except InputError as error:
-        return str(error).replace(f"{folder}/", "")
+        return str(error).replace(f"{folder}{os.sep}", "")
     return ""

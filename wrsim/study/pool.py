@@ -6,6 +6,7 @@ import signal
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
+from multiprocessing.connection import wait
 from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import Any, Self
@@ -96,6 +97,8 @@ class Pool:
                 process, pipe = worker = worker or self._started()
                 try:
                     pipe.send((call.function, call.arguments))
+                    if pipe not in wait([pipe, process.sentinel]):  # one that dies as it begins does not close its end
+                        raise EOFError
                     call.error = pipe.recv()
                     break
                 except (EOFError, OSError):
