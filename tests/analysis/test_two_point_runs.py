@@ -15,7 +15,7 @@ from support.runs import FAST, ROOT, arc, straight, transition
 from wrsim import Result, load_text, run
 from wrsim.inputs.toml_files import write_toml
 
-HOLLOW = str(ROOT / "tests/data/wheel_hollow.whl")
+HOLLOW = (ROOT / "tests/data/wheel_hollow.whl").as_posix()
 COACH, WAGON = "vehicles/manchester_1.toml", "vehicles/freight_y25.toml"
 STEPS = (5000, 2000, 1000, 500)
 NEAR = 0.05  # asked of Y/Q behind the filter of 20 Hz

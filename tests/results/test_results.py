@@ -488,7 +488,8 @@ def test_a_result_on_disk_is_the_one_in_memory(setup, record, tmp_path, monkeypa
         )
     twice = Result.load(on_disk.save(tmp_path / "again.nc"))
     assert twice.dataset.identical(read.dataset)
-    assert not [p for p in tmp_path.rglob("*") if p.name.startswith(".")]
+    # Windows removes no file that is open: there it goes with the process
+    assert sys.platform == "win32" or not [p for p in tmp_path.rglob("*") if p.name.startswith(".")]
 
 
 def test_words_of_reports_are_understood_as_names_of_channels() -> None:

@@ -153,8 +153,9 @@ def test_one_fault_in_a_table_is_one_line_with_its_line_number(tmp_path: Path, t
 @pytest.mark.parametrize(("gauge_mm", "reason"), table("a_wheelset_off_the_rails_is_refused_with_the_reason"))
 def test_a_wheelset_off_the_rails_is_refused_with_the_reason(tmp_path: Path, gauge_mm: int, reason: str) -> None:
     (line,) = faults(edited(CURVE, "gauge_mm = 1435", f"gauge_mm = {gauge_mm}"), tmp_path)
+    case = tmp_path / "case.toml"
     assert line.startswith('case.toml:8: track.rail = "')
-    assert line.endswith(f"; see track.gauge_mm in {tmp_path}/case.toml:7 and vehicle.model in {tmp_path}/case.toml:4")
+    assert line.endswith(f"; see track.gauge_mm in {case}:7 and vehicle.model in {case}:4")
     assert "the wheelset is placed off the rails" in line
     assert reason in line
 

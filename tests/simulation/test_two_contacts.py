@@ -21,7 +21,7 @@ BAND = 2.0 * np.pi * 60.0, 2.0 * np.pi * 250.0  # of the wheelset on its contact
 def coach(friction: float, rails: str = "rigid") -> tuple[VehicleOnTrack, np.ndarray]:
     """A coach on hollow wheels in the steady curve of 250 m, and the eigenvalues of its small motions."""
     keys = {
-        "vehicle.wheel": str(HOLLOW), "contact.friction": friction, "contact.strips": 12, "contact.cells": 8,
+        "vehicle.wheel": HOLLOW.as_posix(), "contact.friction": friction, "contact.strips": 12, "contact.cells": 8,
         "track.structure.kind": rails,
     }  # fmt: skip
     segments = [{"kind": "arc", "radius_m": 250, "length_m": 100, "cant_mm": 100}]

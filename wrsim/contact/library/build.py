@@ -86,7 +86,7 @@ def build_library(folder: str | Path, target: str = "") -> Path:
     files = {HEADER: header, "contact_kernels.h": _contact_header()}
     for name, content in _link(SOURCE / "contact.c", STAGES, LOAD_STAGE, files, {}, target).items():
         (place / name).write_bytes(content)
-    (place / HEADER).write_text(header)
+    (place / HEADER).write_text(header, encoding="utf-8")
     return place / library_name(target)
 
 
@@ -187,7 +187,7 @@ def _kernels_header(table: Mapping[int, Any], by_name: Mapping[str, Any], target
 
 def public_header() -> str:
     """The header for users: the fields of patches and strips with unit and meaning, from the records of the kernels."""
-    text = (SOURCE / f"{HEADER}.in").read_text()
+    text = (SOURCE / f"{HEADER}.in").read_text(encoding="utf-8")
     for part, (kind, names) in PUBLIC.items():
         texts = MEANINGS[id(kind)]
         rows = [(f"{C_TYPES[kind[name].kind]} {name.removeprefix('n_')};", *texts[name]) for name in names.split()]
