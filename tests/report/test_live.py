@@ -14,10 +14,12 @@ from selenium.webdriver import ActionChains, Keys
 from support.browser import Browser, browser, unexplained
 from support.commands import refusal
 
-from wrsim import InputError
+from wrsim import InputError, WrsimError
 from wrsim.api.pages import write_live
+from wrsim.contact.library.build import contact_wasm
 from wrsim.contact.model import Contact
 from wrsim.contact.models import contact_model
+from wrsim.jit.cache import digest_of_sources
 from wrsim.report.live_contact import MOST_PAIRS, LivePair
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="there is nothing compiled")
@@ -234,7 +236,10 @@ def test_the_keyboard_alone_reaches_and_moves_everything(page: Browser) -> None:
 def test_two_pages_compute_each_for_itself_and_keep_their_memory(page: Browser, made: tuple[Path, LivePair]) -> None:
     first, size = page.driver.current_window_handle, "return wrsim.page.program.call.memory.buffer.byteLength"
     alone = show(page, shift=5.2e-3)
-    many = "for (let i = 0; i < 3000; i++) { wrsim.page.state.shift = 1e-6 * i; wrsim.page.solve(); }"
+    many = (
+        "const { page } = wrsim; for (let i = 0; i < 200; i++) { page.state.shift = 3e-5 * i; page.solve(); }"
+        " const { pose } = page.contacts[1]; for (let i = 0; i < 5000; i++) page.wheels[1].contact(pose);"
+    )
     page.driver.switch_to.new_window("window")
     try:
         page.driver.get(made[0].resolve().as_uri())
@@ -306,6 +311,23 @@ def test_files_of_another_kernel_are_refused_in_words(
 def test_what_is_no_page_is_told_in_one_line(given: list[str], words: str, tmp_path: Path) -> None:
     message = refusal("live", *given, "-o", tmp_path / "x.html")
     assert words in message and len(message.strip().splitlines()) == 1
+
+
+def test_the_program_comes_with_the_package_and_else_needs_zig(
+    made: tuple[Path, LivePair], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = contact_wasm()
+    monkeypatch.setattr("wrsim.contact.library.build.CACHE", None)
+    monkeypatch.setattr("wrsim.contact.library.build.find_spec", lambda name: None)
+    with pytest.raises(WrsimError, match=r"^wasm: needs zig: pip install 'wrsim\[cross\]'$"):
+        write_live(["contact", *PROFILES], tmp_path / "x.html")
+    monkeypatch.setattr("wrsim.contact.library.build.FOLDER", tmp_path)
+    (tmp_path / "contact.wasm").write_bytes(program.replace(digest_of_sources().encode(), b"of other kernels"))
+    with pytest.raises(WrsimError, match="needs zig"):
+        write_live(["contact", *PROFILES], tmp_path / "x.html")
+    (tmp_path / "contact.wasm").write_bytes(program)
+    write_live(["contact", *PROFILES], tmp_path / "x.html")
+    assert (tmp_path / "x.html").read_bytes() == made[0].read_bytes()
 
 
 def test_a_page_takes_so_many_pairs_and_no_more() -> None:

@@ -10,7 +10,7 @@ const $ = (id) => document.getElementById(id);
 const COLOURS = ["#0072b2", "#d55e00"]; // of the two models
 const SCALES = [100, 200, 300, 500, 750, 1000, 1500, 2000, 3000, 5000, 10000]; // ends of the scale of pressure [MPa]
 const TRACED = [["p0", "p0 [MPa]"], ["range", "\u0394\u03b3 [\u00b0]"], ["area", "area [mm\u00b2]"]];
-const UNMET = 8 | 16 | 32 | 512 | 2048, ABOVE = 0.02;
+const UNMET = 8 | 16 | 32 | 512 | 2048, ABOVE = 0.02, FAR = 2e-4;
 const DEGREES = 180 / Math.PI;
 const words = (v, digits = 4) => (Number.isFinite(v) ? Number(v.toPrecision(digits)).toString().replace("-", "\u2212") : "\u2013");
 const scaleOf = (values, value) => values.find((v) => v >= value) ?? values.at(-1);
@@ -360,15 +360,19 @@ class Page {
     this.loop.ask();
   }
 
-  /** Both contacts at the state; at a load each has its own height. */
+  /** Both contacts at the state; at a load each has its own height, sought from where the last two of the way lead. */
   solve() {
     const { state, pair } = this, load = this.at === "load" ? state.load : undefined;
     return this.wheels.map((wheel) => {
       wheel.friction = state.mu;
-      const contact = wheel.contact(poseOf(pair, { ...state, height: wheel.height ?? state.height }), load);
-      const again = load !== undefined && contact.status & UNMET ? wheel.contact(poseOf(pair, { ...state, height: ABOVE }), load) : contact;
-      wheel.height = load === undefined ? undefined : again.pose[2] - pair.radius;
-      return again;
+      const [last, before] = wheel.way ?? [], rise = last && before ? ((last.height - before.height) * (state.shift - last.shift)) / (last.shift - before.shift) : 0;
+      const near = (last?.height ?? state.height) + (Math.abs(rise) < FAR ? rise : 0);
+      const at = (height) => wheel.contact(poseOf(pair, { ...state, height }), load);
+      if (load === undefined) return (wheel.way = null), at(state.height);
+      const first = at(near), contact = first.status & UNMET ? at(ABOVE) : first;
+      const here = { shift: state.shift, height: contact.pose[2] - pair.radius };
+      wheel.way = [here, last?.shift === here.shift ? before : last];
+      return contact;
     });
   }
 
