@@ -302,7 +302,7 @@ def test_files_of_another_kernel_are_refused_in_words(
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ([PROFILES[0]], 'must be "contact"'),
+        ([PROFILES[0]], "no such scenario file"),
         (["contact", PROFILES[0]], "at least one wheel and one rail"),
         (["contact", "nothing.toml"], "nothing.toml"),
         (["contact", *PROFILES, "--inclination", "steep"], "--inclination"),

@@ -438,6 +438,17 @@ def test_inputs_act_from_one_step_to_the_next() -> None:
     assert pushed.q[car + 2] - plain.q[car + 2] > before + 1e-3
 
 
+def test_outputs_are_those_of_the_place_however_far_the_vehicle_has_gone_between_two_looks() -> None:
+    """All through a curve in one call, and look by look."""
+    curve = load(ROOT / "scenarios/curve_r300.toml").with_values({"contact.normal": "kik-piotrowski"})
+    far, near = stepper(curve), stepper(curve)
+    far.step(12_200)
+    for _ in range(122):
+        near.step(100)
+    for name, value in near.outputs.items():
+        assert far.outputs[name] == pytest.approx(value, rel=1e-9, abs=1e-9)
+
+
 def test_what_cannot_be_taken_step_by_step_is_refused() -> None:
     with pytest.raises(InputError, match=r"must be above 0 and at most 0\.005 s"):
         stepper(COACH, step=0.1)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import inspect
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Unpack
+from typing import TYPE_CHECKING, Annotated, Any, Unpack
 
 from wrsim.api import options
 from wrsim.api.options import AnyPath, Argument, Option, Reading, ResultLike, documented, into
-from wrsim.api.outcome import Outcome, as_list, as_result, folder_beside, name_of, paths_in
+from wrsim.api.outcome import Outcome, as_list, as_result, as_scenario, folder_beside, name_of, paths_in
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -102,8 +103,8 @@ def write_live(
     files: Annotated[
         str | Sequence[str],
         Argument(
-            '"contact", and profiles of wheels and rails, such as wheels/S1002.toml rails/60E1.toml; folders of them.',
-            "contact FILE...",
+            'A scenario; or "contact" and profiles of wheels and rails, such as wheels/S1002.toml rails/60E1.toml.',
+            "SCENARIO|contact FILE...",
             kind=list[str],
         ),
     ],
@@ -115,12 +116,16 @@ def write_live(
     radius_mm: Annotated[float, Option("Radius of the wheels at the tape circle.", least=100.0, most=1500.0)] = 460.0,
     friction: Annotated[float, Option("Coefficient of friction to begin with.", least=0.0, most=0.8)] = 0.35,
     load_kN: Annotated[float, Option("Wheel load to begin with.", least=0.5, most=250.0)] = 60.0,
+    values: options.Values = (),
+    step: Annotated[float, "Step of the integration of a scenario [s]."] = 1e-3,
     models: options.Models = (),
     **reading: Unpack[Reading],
 ) -> Outcome:
-    """Write a live page: a wheel to be dragged, turned and loaded on its rail. It contains a program.
+    """Write a live page: a vehicle that runs, or a wheel to be dragged, turned and loaded on its rail.
 
-    Every wheel is paired with every rail, by the strip model and Kik and Piotrowski's. The page runs without network.
+    It contains a program and runs without network. A vehicle needs zig to be compiled (pip install ziglang).
+    With "contact" every wheel is paired with every rail, by the strip model and Kik and Piotrowski's. --set and
+    --step-ms are for scenarios, the options of profiles for contacts.
 
     Returns
     -------
@@ -132,15 +137,23 @@ def write_live(
     InputError
         For other files, and for wheels without rails.
     """
+    kind, *names = [files] if isinstance(files, str) else list(files)
+    if kind != "contact":
+        if names:
+            raise InputError(f'{kind}: one scenario alone, or "contact" with profiles of wheels and rails behind it')
+        of_contact = {
+            "gauge_mm": gauge_mm, "flange_back_mm": flange_back_mm, "inclination": inclination, "radius_mm": radius_mm,
+            "friction": friction, "load_kN": load_kN, **reading,
+        }  # fmt: skip
+        _refuse(of_contact, 'is for "contact"; a scenario has its own')
+        return _live_vehicle(Path(kind), file, values, step, models)
+    _refuse({"values": values, "step": step}, "is for a scenario, which contact has not")
     from wrsim.analysis.conicity.pairs import Pairing
     from wrsim.contact.profiles.files import reading_options
     from wrsim.contact.profiles.models import readings_of
     from wrsim.report.live_contact import MOST_PAIRS, LivePair, contact_page
     from wrsim.results import write_atomically
 
-    kind, *names = [files] if isinstance(files, str) else list(files)
-    if kind != "contact":
-        raise InputError(f'{kind}: must be "contact", with profiles of wheels and rails behind it')
     pairing = Pairing(flange_back_mm / 1e3, inclination, "none", models, reading)
     with reading_options(**reading):
         readings, faults = readings_of(names, None, models)
@@ -163,6 +176,28 @@ def write_live(
     page = contact_page(pairs, title, friction, 1e3 * load_kN)
     target = Path(file) if file is not None else Path(f"{kind}.html")
     return Outcome([], {}, [write_atomically(target, page.encode())], value=pairs)
+
+
+def _refuse(given: Mapping[str, Any], why: str) -> None:
+    """Raise InputError for an option of a live page that is not as it is without being given."""
+    for name, value in given.items():
+        known = inspect.signature(write_live).parameters.get(name)
+        if value != (known.default if known else None):
+            flag = {"values": "set", "step": "step-ms"}.get(name, name.replace("_", "-"))
+            raise InputError(f"--{flag}: {why}")
+
+
+def _live_vehicle(
+    scenario: Path, file: AnyPath, values: Sequence[str] | Mapping[str, Any], step: float, models: Sequence[str | Path]
+) -> Outcome:
+    """The live page of a scenario."""
+    from wrsim.report.live_vehicle import live_vehicle_page
+    from wrsim.results import write_atomically
+
+    loaded = as_scenario(scenario, models).with_set(values)
+    page = live_vehicle_page(loaded, step)
+    target = Path(file) if file is not None else Path(f"{scenario.stem}.html")
+    return Outcome([], {}, [write_atomically(target, page.encode())], value=loaded)
 
 
 @documented

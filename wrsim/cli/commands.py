@@ -116,7 +116,7 @@ PANELS: dict[str, dict[str, Any]] = {
         "plot": command(pages.write_pictures, draws=DRAWS, of="result"),
         "report": command(pages.write_report, of="results"),
         "view": command(pages.write_view, of="result"),
-        "live": command(pages.write_live, reads="files"),
+        "live": command(pages.write_live, _step, reads="files", further=[STEP_MS]),
         "diff": command(analyses.diff, draws=DRAWS, reads="first second"),
     },
     "Assess": {

@@ -93,7 +93,7 @@ def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[s
     names = [m.name for m in setup.vehicle.wheelsets] if setup is not None else wheelsets(dataset)
     data["called"] = numbered(names)
     if setup is not None:
-        data["vehicle"] = _vehicle(setup)
+        data["vehicle"] = vehicle_shapes(setup)
     if result.analysis == "stability" and setup is not None:
         data["modes"] = _modes(result, setup)
         return data
@@ -200,8 +200,8 @@ def _events(dataset: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _track(dataset: xr.Dataset, place: Array, cant_base: float) -> dict[str, Any] | None:
-    """The centre line at even steps, from the curvature, cant and grade that the first and last wheelsets passed. x, y,
-    z [m] from the start, heading and roll [rad]. cant_base [m]. Good for a drawing: trapezoidal steps."""
+    """The centre line at even steps, from the curvature, cant and grade that the first and last wheelsets passed.
+    cant_base [m]."""
     if "curvature" not in dataset:
         return None
     order = np.argsort(np.concatenate((place[:, -1], place[:, 0])), kind="stable")
@@ -216,18 +216,22 @@ def _track(dataset: xr.Dataset, place: Array, cant_base: float) -> dict[str, Any
         both = np.concatenate((values[:, -1], values[:, 0]))[order][first]
         return np.interp(s, at, both)
 
-    curvature, grade = along("curvature"), along("grade")
-    roll = -cant_angle(along("cant"), cant_base)
+    line = centre_line(along("curvature"), along("cant"), along("grade"), cant_base)
+    return {"start": float(s[0]), "step": PATH_STEP, "line": packed(line, "f8")}
+
+
+def centre_line(curvature: Array, cant: Array, grade: Array, cant_base: float) -> Array:
+    """Rows (n, 5) of the centre line at places PATH_STEP apart: x, y, z [m], heading, roll [rad]; curvature [1/m], cant
+    [m] and grade there. Good for a drawing: trapezoidal steps."""
     middle = 0.5 * (curvature[1:] + curvature[:-1])
     heading = np.concatenate(([0.0], np.cumsum(middle * PATH_STEP)))
     bend = 0.5 * (heading[1:] + heading[:-1])
     x, y = (np.concatenate(([0.0], np.cumsum(f(bend) * PATH_STEP))) for f in (np.cos, np.sin))
     z = np.concatenate(([0.0], np.cumsum(0.5 * (grade[1:] + grade[:-1]) * PATH_STEP)))
-    line = np.stack((x, y, z, heading, roll), axis=1)
-    return {"start": float(s[0]), "step": PATH_STEP, "line": packed(line, "f8")}
+    return np.stack((x, y, z, heading, -cant_angle(cant, cant_base)), axis=1)
 
 
-def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
+def vehicle_shapes(setup: Setup[Any]) -> dict[str, Any]:
     """Shapes: wheels turned from their profiles, boxes of the inertia of the bodies, elements between their ends."""
     vehicle = setup.vehicle
     wheels = []

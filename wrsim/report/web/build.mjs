@@ -8,7 +8,7 @@ const here = fileURLToPath(new URL(".", import.meta.url));
 const out = process.argv[2] ?? join(here, "..", "bundle");
 await build({
   absWorkingDir: here,
-  entryPoints: { report: "src/report.js", view: "src/view.js", print: "src/print.js", live_contact: "src/live_contact.js" },
+  entryPoints: Object.fromEntries(["report", "view", "print", "live_contact", "live_vehicle", "live_worker"].map((name) => [name, `src/${name}.js`])),
   outdir: out,
   bundle: true,
   minify: true,

@@ -11,7 +11,7 @@ from wrsim.vehicle.dynamics.kinematics import X, Y, Z, kinematics, pose_in_track
 from wrsim.vehicle.dynamics.rigid_body import PITCH, pitched
 from wrsim.vehicle.dynamics.stepper import Q_T, Q_TT, SEEN, STATE, VEHICLE_ARRAYS, WHEELS, Q
 from wrsim.vehicle.dynamics.vehicle_forces import CENTRE, FIRST_WHEEL, PART, PARTS, VEHICLE, WHOLE
-from wrsim.vehicle.dynamics.wheel_forces import OFF_TRACK, wheel_total
+from wrsim.vehicle.dynamics.wheel_forces import OFF_TRACK, wheel_record, wheel_total
 
 BODY_SEEN = record("""
     distance       [m]     distance of the centre of mass along the centre line (a guess, updated)
@@ -40,10 +40,14 @@ def observe(buffer: Array, index: Ints) -> int:
     arrays, rows = index[VEHICLE_ARRAYS:], matrix(buffer, index, STATE)
     parts, seen = records(buffer, arrays, PARTS, PART), records(buffer, index, SEEN, BODY_SEEN)
     centre = CurveNodes(records(buffer, arrays, CENTRE, NODE), records(buffer, arrays, WHOLE, VEHICLE)[0].step)
+    wheels = records(buffer, index, WHEELS, WHEEL_SEEN)
+    way = 0.0  # since the last call, of the first wheel, which is placed at every evaluation
+    if wheels.shape[0] > 0:
+        way = wheel_record(buffer, arrays[FIRST_WHEEL:], 0).s - seen[0].distance
     for i in range(seen.shape[0]):
         q, q_t, q_tt = rows[Q, 6 * i : 6 * i + 6], rows[Q_T, 6 * i : 6 * i + 6], rows[Q_TT, 6 * i : 6 * i + 6]
         body, row = kinematics(q, q_t), seen[i]
-        s, bad = locate(centre, body.position, row.distance)
+        s, bad = locate(centre, body.position, row.distance + way)
         if bad != 0:
             return OFF_TRACK
         track = frame_at(centre, s)
@@ -57,7 +61,6 @@ def observe(buffer: Array, index: Ints) -> int:
         faster = Vec(q_tt[X], q_tt[Y], q_tt[Z])
         row.acceleration_x, row.acceleration_y = dot(faster, body.forward), dot(faster, body.left)
         row.acceleration_z = dot(faster, body.up)
-    wheels = records(buffer, index, WHEELS, WHEEL_SEEN)
     for k in range(wheels.shape[0]):
         total = wheel_total(buffer, arrays[FIRST_WHEEL:], k)
         wheels[k].X, wheels[k].Y, wheels[k].Q = -total.Ft, -total.Fo, total.Fb

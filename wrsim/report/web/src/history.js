@@ -1,7 +1,7 @@
 // Time histories beside the picture: one channel of the chosen wheelset or of a body over the place, with a cursor.
 import { painted } from "./canvas.js";
 
-const INK = "#222222", QUIET = "#6b6b6b", FAINT = "#e2e2e2";
+const INK = "#222222", QUIET = "#6b6b6b", FAINT = "#e2e2e2", LIMIT = "#b00020";
 const COLOURS = ["#0072b2", "#d55e00"];
 const MARGIN = { left: 58, right: 12, top: 20, bottom: 32 };
 
@@ -52,6 +52,9 @@ export class History {
       }
     }
     if (low > high) return;
+    // a limit is drawn when the values have come half the way to it
+    const limits = (this.run.channels[this.key].limits ?? []).filter(({ value }) => high > value / 2);
+    high = Math.max(high, ...limits.map(({ value }) => value));
     const reach = Math.max(high - low, 1e-6 * Math.abs(high), 1e-9);
     [low, high] = [low - 0.06 * reach, high + 0.06 * reach];
     const right = width - MARGIN.right, bottom = height - MARGIN.bottom;
@@ -79,6 +82,14 @@ export class History {
       g.fillText(words(v), X(v), bottom + 16);
     }
     g.fillText(this.label, (MARGIN.left + right) / 2, height - 3);
+    for (const { value, words: told } of limits) {
+      g.setLineDash([5, 4]);
+      line(MARGIN.left, Y(value), right, Y(value), LIMIT);
+      g.setLineDash([]);
+      g.fillStyle = LIMIT;
+      g.textAlign = "right";
+      g.fillText(told, right, Y(value) + (Y(value) > 34 ? -4 : 12));
+    }
     for (const [, colour, value] of lines) this.curve(g, colour, value, X, Y);
     const i = Math.round(this.at);
     line(X(x[i]), MARGIN.top - 4, X(x[i]), bottom, INK);

@@ -1,0 +1,186 @@
+"""The live page of a vehicle: its numbers are those of the stepper, what sliders change, keys, width, policy."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from support.browser import Browser, browser
+from support.objects import kept_objects
+from support.vehicles import ROOT
+
+from wrsim import WrsimError, load, stepper
+from wrsim.api.pages import write_live
+from wrsim.report.live_vehicle import Places
+from wrsim.simulation.stepper import UNITS, Stepper
+
+pytest.importorskip("ziglang")
+pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="there is nothing compiled")
+
+FILE, ELASTIC = ROOT / "scenarios/curve_r300.toml", {"track.structure": {"kind": "moving mass"}}
+SCENARIO = load(FILE).with_values(ELASTIC)
+GONE = 9000  # steps: from straight track into the curve
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("wrsim.contact.library.build.emit_objects", kept_objects)
+        written = write_live(str(FILE), tmp_path_factory.mktemp("live") / "live.html", values=ELASTIC)
+    with browser() as opened:
+        opened.open(Path(written.files[0]), 1000, 700)
+        opened.run("return wrsim.ready.then(() => true)")
+        yield opened
+
+
+@pytest.fixture
+def again(page: Browser) -> Browser:
+    """The page at the start of the run, with its own values."""
+    page.run("location.reload()")
+    page.wait("window.wrsim && wrsim.ready.then(() => true)")
+    return page
+
+
+def moved(page: Browser, steps: int) -> dict[str, Any]:
+    return page.run(f"return wrsim.live.move({steps})")
+
+
+def slide(page: Browser, words: str, value: float) -> None:
+    page.run(
+        f"const one = document.querySelector('[data-words=\"{words}\"] input'); one.value = {value};"
+        "one.dispatchEvent(new Event('input'))"
+    )
+
+
+def differences(found: dict[str, Any], bench: Stepper) -> dict[str, float]:
+    """Largest difference from a stepper over the largest value, by kind of number."""
+    pairs: dict[str, list[tuple[float, float]]] = {}
+    for name, body in found["bodies"].items():
+        for key, value in body.items():
+            view = bench.outputs[f"{name}.{key}_{UNITS[key]}"]
+            pairs.setdefault(UNITS[key], []).append((value, float(view[0])))
+    wheelsets = [mounted.name for mounted in bench.law.vehicle.wheelsets]
+    for i, wheel in enumerate(found["wheels"]):
+        for key, value in wheel.items():
+            of = f"{wheelsets[i // 2]}.{key}_{('left', 'right')[i % 2]}_N"
+            pairs.setdefault("N", []).append((value, float(bench.outputs[of][0])))
+    arrays = {unit: np.array(rows) for unit, rows in pairs.items()}
+    return {unit: float(np.abs(a[:, 0] - a[:, 1]).max() / np.abs(a[:, 1]).max()) for unit, a in arrays.items()}
+
+
+def test_a_page_has_the_numbers_of_the_stepper_into_the_curve(again: Browser) -> None:
+    bench = stepper(SCENARIO)
+    for _ in range(3):
+        bench.step(GONE // 3)
+        off = differences(moved(again, GONE // 3), bench)
+    assert bench.outputs["wheelset.distance_m"] > 100.0
+    assert max(off[unit] for unit in ("m", "m_s", "rad_s")) < 1e-9
+    assert off["N"] < 1e-5 and off["rad"] < 1e-5
+    assert again.complaints() == []
+
+
+def test_friction_and_stiffness_act_as_in_the_workspace_of_a_stepper(again: Browser) -> None:
+    bench = stepper(SCENARIO)
+    places = Places(bench)
+    friction = places.of_friction()
+    assert len(friction["places"]) == 4 and friction["value"] == 0.35
+    (stiff,) = (e for e in again.run("return wrsim.live.data.elements") if e["words"] == "stiffness of guide")
+    moved(again, 5000)
+    bench.step(5000)
+    slide(again, "Friction of all rails", 0.1)
+    slide(again, "stiffness of guide", 2.0)
+    bench.memory.buffer[friction["places"]] = 0.1
+    bench.memory.buffer[stiff["places"]] *= 2.0
+    before = bench.outputs["wheelset.Y_left_N"].copy()
+    bench.step(500)
+    off = differences(moved(again, 500), bench)
+    assert off["N"] < 1e-5
+    plain = stepper(SCENARIO)
+    plain.step(5500)
+    assert abs(plain.outputs["wheelset.Y_left_N"] - bench.outputs["wheelset.Y_left_N"]) > 0.01 * abs(before)
+
+
+def test_the_speed_changes_evenly_to_the_one_that_is_asked_for(again: Browser) -> None:
+    slide(again, "Speed", 3.6 * 14.0)  # from 15 m/s, by 1 m/s2
+    moved(again, 500)
+    assert again.run("return wrsim.live.frame.speed") == pytest.approx(14.5, abs=1e-3)
+    found = moved(again, 1500)
+    assert again.run("return wrsim.live.frame.speed") == pytest.approx(14.0, abs=1e-9)
+    way = 15.0 * 1.0 - 0.5 * 1.0 + 14.0 * 1.0
+    assert found["bodies"]["wheelset"]["distance"] == pytest.approx(way, abs=0.05)
+
+
+def test_keys_alone_run_step_and_begin_again(again: Browser) -> None:
+    def press(key: str) -> None:
+        again.run(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}', bubbles: true }}))")
+
+    press(" ")
+    again.wait("wrsim.live.playing && wrsim.live.frame.time > 0.05")
+    press(" ")
+    again.wait("!wrsim.live.playing")
+    moved(again, 1)
+    time = again.run("return wrsim.live.frame.time")
+    press(".")
+    again.wait(f"Math.abs(wrsim.live.frame.time - {time} - 0.001) < 1e-9")
+    press("Home")
+    again.wait("wrsim.live.frame.time === 0")
+    named = again.run(
+        "return [...document.querySelectorAll('button, select, input')].filter((e) => !(e.textContent.trim() ||"
+        " e.ariaLabel || e.closest('label'))).length"
+    )
+    assert named == 0
+
+
+def test_a_long_run_keeps_so_many_samples_and_is_saved_whole(again: Browser) -> None:
+    moved(again, 300)
+    head, *rows = again.run("return wrsim.live.csv().text()").strip().splitlines()
+    assert head.startswith("time_s,distance_m,Y_over_Q_wheelset_left,")
+    table = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+    assert table[:, 0] == pytest.approx(np.arange(0.0, 0.305, 0.01))
+    kept = again.run("""const live = wrsim.live, row = live.time.length * 3;
+        const width = 1 + live.data.bodies.length * live.data.places.bodies.names.length
+            + live.data.places.wheels.length * live.data.places.forces.names.length;
+        for (let i = 0; i < row; i++) live.keep([Array.from({ length: width }, (_, k) => (k ? 1 : 100 + i))]);
+        const times = live.time.subarray(0, live.count);
+        return [live.count, live.time.length, times.every((t, i) => !i || t > times[i - 1]), times.at(-1) - row]""")
+    assert kept[0] <= kept[1] and kept[2] and kept[3] > 90
+
+
+def test_the_end_of_the_track_begins_the_run_again(again: Browser) -> None:
+    again.run("wrsim.live.worker.postMessage({ end: 1.0 }); wrsim.live.play(true)")
+    again.wait("document.getElementById('remark').textContent.includes('Again from the start')")
+    again.run("wrsim.live.play(false)")
+
+
+def test_a_narrow_page_needs_no_scrolling_sideways_and_is_drawn(again: Browser) -> None:
+    moved(again, 2000)
+    again.run("const w = document.getElementById('wheel'); w.value = 1; w.dispatchEvent(new Event('change'))")
+    again.wait("wrsim.live.frame.wheel === 1")
+    assert "N " in again.run("return document.getElementById('section').getAttribute('aria-label')")
+    for name in ("section", "stage", "history"):
+        assert again.colours(f"#{name}") > 10
+    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+    again.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    again.wait("innerWidth === 390")
+    assert again.run("return document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_live_page_has_a_policy_of_its_own_and_needs_a_compiler(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = tmp_path / "curve.toml"
+    scenario.write_text(SCENARIO.text, encoding="utf-8")
+    monkeypatch.setattr("wrsim.report.live_vehicle.unit_program", lambda *arguments: b"program")
+    text = Path(write_live(str(FILE), tmp_path / "live.html").files[0]).read_text(encoding="utf-8")
+    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', text)
+    assert "default-src 'none'" in policy and "'wasm-unsafe-eval'" in policy and "worker-src blob:" in policy
+    assert "http" not in policy and "unsafe-inline" not in policy and "connect-src" not in policy
+    assert "This page contains a program" in text
+    monkeypatch.undo()
+    monkeypatch.setattr("wrsim.contact.library.build.find_spec", lambda name: None)
+    with pytest.raises(WrsimError, match=r"^wasm: needs zig: pip install 'wrsim\[cross\]'$"):
+        write_live(str(FILE), tmp_path / "another.html")
+    assert not (tmp_path / "another.html").exists()
