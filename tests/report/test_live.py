@@ -321,11 +321,13 @@ def test_the_program_comes_with_the_package_and_else_needs_zig(
     monkeypatch.setattr("wrsim.contact.library.build.find_spec", lambda name: None)
     with pytest.raises(WrsimError, match=r"^wasm: needs zig: pip install 'wrsim\[cross\]'$"):
         write_live(["contact", *PROFILES], tmp_path / "x.html")
-    monkeypatch.setattr("wrsim.contact.library.build.FOLDER", tmp_path)
-    (tmp_path / "contact.wasm").write_bytes(program.replace(digest_of_sources().encode(), b"of other kernels"))
+    monkeypatch.setattr("wrsim.contact.library.build.SHIPPED", tmp_path)
+    (tmp_path / "wasm").mkdir()
+    shipped = tmp_path / "wasm/libwrsim_contact.wasm"
+    shipped.write_bytes(program.replace(digest_of_sources().encode(), b"of other kernels"))
     with pytest.raises(WrsimError, match="needs zig"):
         write_live(["contact", *PROFILES], tmp_path / "x.html")
-    (tmp_path / "contact.wasm").write_bytes(program)
+    shipped.write_bytes(program)
     write_live(["contact", *PROFILES], tmp_path / "x.html")
     assert (tmp_path / "x.html").read_bytes() == made[0].read_bytes()
 

@@ -2,7 +2,8 @@
 
     python -m wrsim.contact.library.build FOLDER [TARGET ...]
 
-makes the contact library of this machine in a folder, or those of targets (`jit.objects`) in folders of their names.
+puts the contact library of this machine into a folder, or those of targets (`jit.objects`) into folders of their names.
+A library that came with the package is taken, others are built.
 """
 
 import os
@@ -34,7 +35,9 @@ from wrsim.jit.cache import CACHE, FOLDER, cache_folder, digest_of_sources
 from wrsim.jit.objects import TARGETS, emit_constant, emit_objects, this_target
 
 SOURCE = Path(__file__).parent
-HEADER, WASM = "wrsim_contact.h", "contact.wasm"
+HEADER = "wrsim_contact.h"
+SHIPPED = FOLDER / "library"
+"""Where a wheel holds contact libraries, in folders of their targets."""
 OPTIONS = "-std=c11 -O2 -s -ffp-contract=off -fvisibility=hidden"
 _ELF = "-fPIC -shared -Wl,-z,defs -lm"
 LINKING = {
@@ -75,38 +78,44 @@ def library_name(target: str) -> str:
 
 
 def build_library(folder: str | Path, target: str = "") -> Path:
-    """Build library and header into a folder, for this machine or another target; returns the path of the library.
+    """Put library and header into a folder, for this machine or another target; returns the path of the library.
 
-    Raises WrsimError where there is no compiler (`shared_library`) or it fails.
+    Raises WrsimError where it has to be built and there is no compiler (`shared_library`) or it fails.
     """
     target = target or this_target()
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
-    header = public_header()
-    files = {HEADER: header, "contact_kernels.h": _contact_header()}
-    for name, content in _link(SOURCE / "contact.c", STAGES, LOAD_STAGE, files, {}, target).items():
+    for name, content in _contact_files(target).items():
         (place / name).write_bytes(content)
-    (place / HEADER).write_text(header, encoding="utf-8")
     return place / library_name(target)
 
 
 def contact_wasm() -> bytes:
-    """The contact library as WebAssembly: as it came with the package, from the user's cache, or built.
-
-    Raises WrsimError where it has to be built without a compiler (`shared_library`).
-    """
+    """The contact library as WebAssembly, as `build_library` has it; what was built is kept in the user's cache."""
     inputs = b"".join((SOURCE / name).read_bytes() for name in ("contact.c", "runtime.h", f"{HEADER}.in"))
     kept = Path(CACHE, f"contact-{zlib.crc32(inputs):08x}.wasm") if CACHE else None
-    for path in (FOLDER / WASM, kept):
-        if path is not None and path.exists() and digest_of_sources().encode() in (content := path.read_bytes()):
-            return content
-    with tempfile.TemporaryDirectory() as scratch:
-        content = build_library(scratch, "wasm").read_bytes()
+    if kept and kept.exists() and _is_of_these_kernels(content := kept.read_bytes()):
+        return content
+    content = _contact_files("wasm")[library_name("wasm")]
     if kept:
         made = kept.with_suffix(f".{os.getpid()}")
         made.write_bytes(content)
         made.replace(kept)
     return content
+
+
+def _contact_files(target: str) -> dict[str, bytes]:
+    """The contact library of a target with its header, by file names: as it came with the package, or built."""
+    library = SHIPPED / target / library_name(target)
+    if library.exists() and _is_of_these_kernels(library.read_bytes()):
+        return {path.name: path.read_bytes() for path in library.parent.iterdir()}
+    header = public_header()
+    files = {HEADER: header, "contact_kernels.h": _contact_header()}
+    return {HEADER: header.encode(), **_link(SOURCE / "contact.c", STAGES, LOAD_STAGE, files, {}, target)}
+
+
+def _is_of_these_kernels(library: bytes) -> bool:
+    return digest_of_sources().encode() in library
 
 
 def shared_library(
