@@ -169,7 +169,7 @@ class Scenario:
         data, owners = self.merged.data, dict(self.merged.owners)
         for key, value in values.items():
             try:
-                path = full_path(data, _own_path(key), by_name=False)
+                path = full_path(data, own_path(key), by_name=False)
                 new = next((end for end in range(1, len(path)) if not holds_key(data, path[:end])), len(path))
                 data = changed(data, path, _plain(key, value))
             except InputError as error:
@@ -282,7 +282,7 @@ def _checked(merged: Merged, path: Path | None, finder: Finder) -> Scenario:
     return Scenario(check_section(ScenarioFile, merged.data, merged.locate), path, finder, merged)
 
 
-def _own_path(dotted_key: str) -> KeyPath:
+def own_path(dotted_key: str) -> KeyPath:
     """The path of a key in a scenario; what [vehicle] does not have is of the vehicle's file: ``vehicle.changes``."""
     path = key_path(dotted_key)
     if path[0] != "vehicle" or len(path) < 2 or path[1] in VehicleSection.model_fields:

@@ -5,19 +5,22 @@ from dataclasses import replace
 from functools import partial
 from operator import methodcaller
 from pathlib import Path
+from typing import Any
 
 from wrsim.contact.profiles.models import load_profile
 from wrsim.errors import InputError, suggest
+from wrsim.inputs.changes import full_path, key_path
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import model_file, usual_finder
 from wrsim.inputs.section import SIDES
-from wrsim.scenario.loading import Scenario
+from wrsim.scenario.loading import Scenario, own_path
+from wrsim.scenario.merging import value_at
 from wrsim.vehicle.assembly import Assembly, Place
 from wrsim.vehicle.loads import CarriedMass, Effort, SlipControl
 from wrsim.vehicle.out_of_round import parts_of
 from wrsim.vehicle.preload import preloads, with_ballast
 from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import Change, load_vehicle
+from wrsim.vehicle.vehicle_files import Change, changed_tables, load_vehicle
 
 
 def vehicle_model(name: str, models: Sequence[str | Path] | None) -> Vehicle:
@@ -25,14 +28,35 @@ def vehicle_model(name: str, models: Sequence[str | Path] | None) -> Vehicle:
     return load_vehicle(model_file(name, models), usual_finder(models))
 
 
+def _changes_of(scenario: Scenario) -> list[Change]:
+    return [
+        Change(key, value, scenario.merged.owners.get(path := ("vehicle", "changes", key)) or scenario.locate(path))
+        for key, value in scenario.spec.vehicle.changes.items()
+    ]
+
+
+def vehicle_tables(scenario: Scenario) -> dict[str, Any]:
+    """The tables of the vehicle's file with what the scenario changes in it. Raises InputError."""
+    reader = partial(changed_tables, changes=_changes_of(scenario))
+    return scenario.read(("vehicle", "model"), scenario.spec.vehicle.model, reader)[0]
+
+
+def given_value(scenario: Scenario, key: str) -> Any:
+    """The value of a dotted key, in the scenario or in the vehicle's file; None where neither gives it."""
+    path, tables = own_path(key), scenario.merged.data
+    by_name = path[:2] == ("vehicle", "changes") and len(path) == 3
+    if by_name:
+        path, tables = key_path(str(path[2])), vehicle_tables(scenario)
+    try:
+        return value_at(tables, full_path(tables, path, by_name=by_name))
+    except (InputError, LookupError, TypeError):
+        return None
+
+
 def vehicle_of(scenario: Scenario) -> Vehicle:
     """The vehicle with what the scenario changes. Raises InputError."""
     section = scenario.spec.vehicle
-    changes = [
-        Change(key, value, scenario.merged.owners.get(path := ("vehicle", "changes", key)) or scenario.locate(path))
-        for key, value in section.changes.items()
-    ]
-    reader = partial(load_vehicle, find=scenario.finder, changes=changes)
+    reader = partial(load_vehicle, find=scenario.finder, changes=_changes_of(scenario))
     vehicle = scenario.read(("vehicle", "model"), section.model, reader)
     for side in SIDES:
         (key, name), (_, radius) = section.of_side("wheel", side), section.of_side("radius_mm", side)

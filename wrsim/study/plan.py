@@ -36,6 +36,8 @@ from wrsim.study.spec import MOST_CASES, CasesSection, OutputsSection, Sensitivi
 CASES, PLAN = "cases", "plan.json"
 MOST_FAULTS = 20
 """Faults of cases that are listed."""
+Refused = tuple[tuple[int, ...], str]
+"""A case that cannot be: its place along every axis, and why."""
 
 
 @dataclass(frozen=True)
@@ -111,43 +113,52 @@ def plan_in(folder: str, digest: str) -> Plan:
     return replace(_PLAN.validate_json(content), folder=folder)
 
 
-class StudyInput:
-    """A file of a study or a profile evolution: its sections, its cases' scenario, where files are looked up."""
+class FileInput:
+    """A file about many runs: its sections, and where the files are looked up that it names."""
 
     def __init__(self, file: Path, what: str, kind: type[Section], models: Sequence[str | Path]) -> None:
         """Raises InputError with file, key and what is allowed."""
         data, self.locate = opened(file, what)
-        self.file, self.text = file, file.read_text(encoding="utf-8")
+        self.file, self.text, self.models = file, file.read_text(encoding="utf-8"), tuple(models)
         self.spec: Any
         self.spec = check_section(kind, data, self.locate)
         self.finder = Finder.of((file.parent,), models)
-        self.base = load(self.found("base", self.spec.base), models)
-        self.title: str = self.spec.title or self.base.title
 
-    def found(self, key: str, name: str) -> Path:
+    def found(self, *key: str | int, name: str) -> Path:
         """The file that a key names."""
-        with self.naming(key, value=name):
+        with self.naming(*key, value=name):
             return self.finder.find(name)
 
     @contextmanager
-    def naming(self, *key: str, value: Any = None) -> Iterator[None]:
+    def naming(self, *key: str | int, value: Any = None) -> Iterator[None]:
         """Give faults the place of a key."""
         try:
             yield
         except InputError as error:
             raise InputError(fault_line(key, str(error), self.locate, value)) from None
 
-    def plan(
-        self, folder: Path, axes: tuple[AxisPoints, ...], outputs: OutputsSection, cases: CasesSection, hook: str = ""
-    ) -> Plan:
-        """The plan of all cases on these axes, none of which is made yet."""
+    def hook_file(self, hook: str | None, *key: str | int) -> str:
+        """The file of a hook, checked; empty without one."""
+        if hook is None:
+            return ""
+        name, _, function = hook.rpartition(":")
+        with self.naming(*key, value=hook):
+            file = self.finder.find(name).resolve()
+            check_hook(file, function)
+        return str(file)
+
+    def plan_of(
+        self, base: Scenario, title: str, folder: Path, axes: tuple[AxisPoints, ...], outputs: OutputsSection,
+        cases: CasesSection, hook: str = "",
+    ) -> Plan:  # fmt: skip
+        """The plan of all cases of a scenario on these axes, none of which is made yet."""
         return Plan(
             folder=str(folder.resolve()),
-            title=self.title,
-            analysis=self.base.analysis,
+            title=title,
+            analysis=base.analysis,
             source=self.text,
-            text=self.base.text,
-            folders=tuple(str(p.resolve()) for p in dict.fromkeys((*self.base.finder.folders, *self.finder.folders))),
+            text=base.text,
+            folders=tuple(str(p.resolve()) for p in dict.fromkeys((*base.finder.folders, *self.finder.folders))),
             axes=axes,
             cases=(),
             files=(),
@@ -157,6 +168,22 @@ class StudyInput:
             time_limit=cases.time_limit_s,
             keep=cases.keep,
         )
+
+
+class StudyInput(FileInput):
+    """A file of a study or a profile evolution, with its cases' scenario."""
+
+    def __init__(self, file: Path, what: str, kind: type[Section], models: Sequence[str | Path]) -> None:
+        """Raises InputError with file, key and what is allowed."""
+        super().__init__(file, what, kind, models)
+        self.base = load(self.found("base", name=self.spec.base), models)
+        self.title: str = self.spec.title or self.base.title
+
+    def plan(
+        self, folder: Path, axes: tuple[AxisPoints, ...], outputs: OutputsSection, cases: CasesSection, hook: str = ""
+    ) -> Plan:
+        """The plan of all cases on these axes, none of which is made yet."""
+        return self.plan_of(self.base, self.title, folder, axes, outputs, cases, hook)
 
 
 def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tuple[Plan, tuple[Path, ...]]:
@@ -180,12 +207,7 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
         if count > MOST_CASES:
             with study.naming("vary"):
                 raise InputError(f"describes {count} cases; must be at most {MOST_CASES}")
-        hook = ""
-        if spec.outputs.hook is not None:
-            name, _, function = spec.outputs.hook.rpartition(":")
-            with study.naming("outputs", "hook", value=spec.outputs.hook):
-                hook = str(study.finder.find(name).resolve())
-                check_hook(Path(hook), function)
+        hook = study.hook_file(spec.outputs.hook, "outputs", "hook")
         names = known_names(spec.outputs, study.base.analysis)
         for name in spec.sensitivity.outputs if spec.sensitivity is not None and names else ():
             if name not in names:
@@ -196,8 +218,10 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
     return plan, tuple(dict.fromkeys((*seen, *models_read)))
 
 
-def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
-    """The plan with its cases, all checked, models once for every set of names, and files read. Raises InputError."""
+def with_cases(plan: Plan, base: Scenario, refused: list[Refused] | None = None) -> tuple[Plan, list[Path]]:
+    """The plan with its cases, all checked, models once for every set of names, and files read.
+
+    Cases that cannot be raise InputError, or are left out and listed in ``refused``."""
     cases: list[Case] = []
     files: list[dict[str, str]] = []
     read: list[Path] = []
@@ -228,6 +252,9 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
                 files.append({str(path.resolve()): digest for path, digest in digests.items()})
                 read += contents
         except InputError as error:
+            if refused is not None:
+                refused.append((place, str(error)))
+                continue
             told = error.unknown or str(error)  # an unknown key once, whatever its values
             if told not in known:
                 known.add(told)

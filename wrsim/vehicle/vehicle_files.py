@@ -63,7 +63,7 @@ def load_vehicle(path: str | Path, find: Finder | None = None, changes: Sequence
         With all faults of the file at once: file, line, key, value, what is allowed.
     """
     path = model_file(path)
-    data, locate, inner = _changed_file(path, changes)
+    data, locate, inner = changed_tables(path, changes)
     finder = (find or usual_finder()).beside(path)
     if "vehicles" in data:
         return _checked(_train(check_section(TrainFile, data, locate), finder, locate, inner), path)
@@ -81,7 +81,7 @@ def load_vehicle(path: str | Path, find: Finder | None = None, changes: Sequence
     )
 
 
-def _changed_file(path: Path, changes: Sequence[Change]) -> tuple[dict[str, Any], Locate, dict[str, list[Change]]]:
+def changed_tables(path: Path, changes: Sequence[Change]) -> tuple[dict[str, Any], Locate, dict[str, list[Change]]]:
     """Tables of a vehicle file with changes, what locates their keys, and changes inside of the vehicles of a train."""
     data, written = opened(path, "vehicle file")
     owners: dict[KeyPath, str] = {}
@@ -252,7 +252,7 @@ def _train(file: TrainFile, finder: Finder, locate: Locate, changes: Mapping[str
 
 
 def _member(path: Path, find: Finder, place: Place, changes: Sequence[Change]) -> Vehicle:
-    data, locate, _ = _changed_file(path, changes)
+    data, locate, _ = changed_tables(path, changes)
     if not any(key in data for key in PART_TABLES):
         raise InputError(f"{path}: is no vehicle of parts; a train takes vehicles with bodies")
     return _of_parts(check_section(VehicleFile, data, locate), path, find.beside(path), locate, place)

@@ -1,0 +1,310 @@
+"""Candidates: points in the space of some varied keys, each evaluated in several scenarios.
+
+What searches for a point (`wrsim.study.optimisation`, `wrsim.study.calibration`) hands over points and is given the
+outputs of their cases. Cases are those of a study in ``scenarios/<name>`` of the folder: named by their content, run by
+the same workers, known again by their markers. So every case runs once, and a search that was killed and is started
+again meets the same numbers.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from math import exp, log
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import xarray as xr
+from pydantic import Field
+
+from wrsim.errors import InputError
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import List, number, positive, repeated, text
+from wrsim.results import Result
+from wrsim.scenario.loading import Scenario, load
+from wrsim.scenario.vehicle_build import given_value, vehicle_of
+from wrsim.study.axes import AxisPoints
+from wrsim.study.engine import missing
+from wrsim.study.plan import FileInput, Plan, Refused, in_words, with_cases
+from wrsim.study.spec import CasesSection, Keys, Name, OutputsSection, short_name
+from wrsim.study.task import COMPLETED, RESULT, Marker, read_marker
+
+Work = Callable[[Plan, Sequence[int]], None]
+"""Writes a plan into its folder and runs some of its cases to their markers."""
+SCENARIOS, ONLY = "scenarios", "scenario"
+"""Folder of the scenarios; name of a scenario that is the only one."""
+REFUSED = "refused"
+"""Status of a candidate whose values do not go together: no case of it runs."""
+
+
+class VariedKey(Section, header="[[vary]]"):
+    """A key of the scenarios that is varied between bounds, or among choices."""
+
+    one_of = ("low choices",)
+    together = ("low high",)
+    above = {"high": "low"}
+
+    key: Keys
+    """Key of the scenario that is varied, or several that take the same value."""
+    low: Annotated[float, number()] | None = None
+    """Lower bound."""
+    high: Annotated[float, number()] | None = None
+    """Upper bound."""
+    start: Any = None
+    """Value at the start; that of the first scenario unless given."""
+    spacing: Literal["linear", "log"] = "linear"
+    """Whether steps are even in the value, or in its logarithm."""
+    whole: bool = False
+    """Whether values are rounded to whole numbers."""
+    choices: Annotated[List[Any], Field(description="a list of two or more values for that key")] = ()
+    """Values among which one is chosen, in place of bounds."""
+
+    def consistency(self) -> Iterator[Fault]:
+        if self.spacing == "log" and self.low is not None and self.low <= 0.0:
+            yield Fault("low", 'must be above 0 with spacing = "log"')
+        if self.choices and (len(self.choices) < 2 or self.whole or self.spacing == "log"):
+            yield Fault("choices", "must be two or more values, without whole and spacing")
+
+
+class CandidateScenario(Section, header="[[scenario]]"):
+    """A scenario in which every candidate is evaluated."""
+
+    name: Name
+    """Name of the scenario."""
+    base: Annotated[str, text('a scenario file such as "curve_r300.toml"')]
+    """The scenario."""
+    weight: Annotated[float, positive(1e6)] = 1.0
+    """Factor of its objectives."""
+
+
+class CandidatesFile(Section):
+    """What files of searches have in common."""
+
+    one_of = ("base scenario",)
+
+    title: Annotated[str, text("a title")] | None = None
+    """Title; that of the first scenario unless given."""
+    base: Annotated[str, text('a scenario file such as "curve_r300.toml"')] | None = None
+    """The scenario, where it is one."""
+    scenario: List[CandidateScenario] = ()
+    """Scenarios in which every candidate is evaluated."""
+    vary: Annotated[List[VariedKey], Field(min_length=1)]
+    """Keys that are varied."""
+    cases: CasesSection = CasesSection()
+    """Limits of a case, and what is stored of it."""
+
+    def consistency(self) -> Iterator[Fault]:
+        for name in repeated(one.name for one in self.scenario):
+            yield Fault("scenario", f'two of them are called "{name}"')
+        for key in repeated(chain.from_iterable(one.key for one in self.vary)):
+            yield Fault("vary", f"{key}: is varied twice")
+
+    def named_bases(self) -> list[tuple[str, str, float, tuple[str | int, ...]]]:
+        """Name, file, weight and key of every scenario."""
+        if self.base is not None:
+            return [(ONLY, self.base, 1.0, ("base",))]
+        return [(one.name, one.base, one.weight, ("scenario", i, "base")) for i, one in enumerate(self.scenario)]
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A varied key with its bounds. A number of it is the value in the file's unit, or counts the choices from 0.
+
+    keys: that take the value; name: for tables; start: number at the start."""
+
+    keys: tuple[str, ...]
+    name: str
+    low: float
+    high: float
+    start: float
+    log: bool = False
+    whole: bool = False
+    choices: tuple[Any, ...] = ()
+
+    def value(self, x: float) -> Any:
+        """The value in the file for a number: within the bounds, rounded or chosen."""
+        x = min(max(float(x), self.low), self.high)
+        return self.choices[round(x)] if self.choices else round(x) if self.whole else x
+
+    def share(self, x: float) -> float:
+        """Where a number lies between the bounds, 0 to 1, by the spacing."""
+        low, high, x = (log(v) for v in (self.low, self.high, x)) if self.log else (self.low, self.high, x)
+        return (x - low) / (high - low)
+
+    def number(self, share: float) -> float:
+        """The number that lies there between the bounds."""
+        if self.log:
+            return exp(log(self.low) + share * (log(self.high) - log(self.low)))
+        return self.low + share * (self.high - self.low)
+
+
+@dataclass(frozen=True)
+class OneScenario:
+    """A scenario of the candidates. outputs: of its cases; hook: file of its hook, or empty."""
+
+    name: str
+    base: Scenario
+    weight: float
+    outputs: OutputsSection
+    hook: str = ""
+
+
+class Evaluated(NamedTuple):
+    """What became of a candidate in a scenario: a status of a case, or REFUSED; folder: of the case."""
+
+    status: str
+    message: str
+    numbers: Mapping[str, float | None] = {}
+    units: Mapping[str, str] = {}
+    folder: Path | None = None
+
+    def dataset(self) -> xr.Dataset:
+        """The whole result, where results are kept."""
+        if self.folder is None:
+            raise InputError(f"there is no result: {self.message}")
+        return Result.load(self.folder / RESULT).dataset
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A candidate: its values as in the file, and what became of it by scenario."""
+
+    values: tuple[Any, ...]
+    cases: Mapping[str, Evaluated]
+
+    @property
+    def completed(self) -> bool:
+        """Whether all of its cases came to their ends."""
+        return all(case.status == COMPLETED for case in self.cases.values())
+
+    @property
+    def status(self) -> str:
+        """Status of the first case that did not come to its end, else that of all."""
+        return next((case.status for case in self.cases.values() if case.status != COMPLETED), COMPLETED)
+
+    @property
+    def message(self) -> str:
+        """Messages of the cases that did not come to their ends."""
+        bad = {name: case for name, case in self.cases.items() if case.status != COMPLETED}
+        return "; ".join(f"{name}: {case.status}: {case.message}".replace("\n", "; ") for name, case in bad.items())
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """The space of the varied keys, and the scenarios in which its points are evaluated.
+
+    given: the file; folder: of the search; limits: of cases."""
+
+    given: FileInput
+    title: str
+    folder: Path
+    varied: tuple[Varied, ...]
+    scenarios: tuple[OneScenario, ...]
+    limits: CasesSection
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """Numbers of the varied keys at the start."""
+        return tuple(one.start for one in self.varied)
+
+    def values(self, point: Sequence[float]) -> tuple[Any, ...]:
+        """Values in the file at a point."""
+        return tuple(one.value(x) for one, x in zip(self.varied, point, strict=True))
+
+    def changes(self, values: Sequence[Any]) -> dict[str, Any]:
+        """Values by key."""
+        return {key: value for one, value in zip(self.varied, values, strict=True) for key in one.keys}
+
+    def plan(self, scenario: OneScenario, rows: Sequence[tuple[Any, ...]]) -> tuple[Plan, list[Refused]]:
+        """The cases of some rows of values in a scenario, without those that are refused."""
+        keys = tuple(one.keys for one in self.varied)
+        axis = AxisPoints("candidate", keys, tuple(rows), (str(self.given.file),) * len(rows), listed=True)
+        folder = self.folder / SCENARIOS / scenario.name
+        title = self.title if len(self.scenarios) == 1 else f"{self.title}, {scenario.name}"
+        empty = self.given.plan_of(scenario.base, title, folder, (axis,), scenario.outputs, self.limits, scenario.hook)
+        refused: list[Refused] = []
+        return with_cases(empty, scenario.base, refused)[0], refused
+
+    def evaluated(self, points: Sequence[Sequence[float]], work: Work) -> list[Candidate]:
+        """What the candidates at these points come to, in their order; what is known already does not run again.
+
+        Raises InputError where an output cannot be had of a case that is completed."""
+        rows = [self.values(point) for point in points]
+        todo = list(dict.fromkeys(rows))
+        refused: dict[tuple[Any, ...], dict[str, Evaluated]] = {}
+        for scenario in self.scenarios:
+            for (i,), message in self.plan(scenario, todo)[1]:
+                refused.setdefault(todo[i], {})[scenario.name] = Evaluated(REFUSED, message)
+        runs = [row for row in todo if row not in refused]
+        cases: dict[tuple[Any, ...], dict[str, Evaluated]] = {row: {} for row in runs} | refused
+        for scenario in self.scenarios if runs else ():
+            plan, _ = self.plan(scenario, runs)
+            if left := missing(plan):
+                work(plan, left)
+            for row, case in zip(runs, plan.cases, strict=True):
+                cases[row][scenario.name] = _evaluated(read_marker(plan.folder_of(case)), plan.folder_of(case))
+        return [Candidate(row, cases[row]) for row in rows]
+
+
+def _evaluated(marker: Marker | None, folder: Path) -> Evaluated:
+    """What a marker says. Raises InputError where it lacks outputs that no case can have."""
+    if marker is None:
+        raise InputError(f"{folder}: has no result: it was removed while the search was running")
+    if marker.status == COMPLETED and marker.faults:
+        raise InputError("\n".join(marker.faults))
+    return Evaluated(marker.status, marker.message, marker.numbers, marker.units, folder)
+
+
+def read_candidates(
+    given: FileInput, folder: Path, outputs: Mapping[str, OutputsSection], hooks: Mapping[str, str] | None = None
+) -> Candidates:
+    """The space and the scenarios of a file that is a `CandidatesFile`, with the candidate at the start checked.
+
+    outputs, hooks: by the name of the scenario. Raises InputError with all faults of the start: unknown keys, values
+    that are not allowed, a start outside of the bounds."""
+    spec: CandidatesFile = given.spec
+    scenarios = []
+    for name, base, weight, key in spec.named_bases():
+        loaded = load(given.found(*key, name=base), given.models)
+        scenarios.append(OneScenario(name, loaded, weight, outputs[name], (hooks or {}).get(name, "")))
+    first = scenarios[0].base
+    varied = tuple(_varied(given, i, one, first) for i, one in enumerate(spec.vary))
+    candidates = Candidates(given, spec.title or first.title, folder, varied, tuple(scenarios), spec.cases)
+    start, faults = candidates.values(candidates.start), list[str]()
+    for scenario in candidates.scenarios:
+        before = len(faults)
+        for i, (one, value) in enumerate(zip(varied, start, strict=True)):
+            try:
+                scenario.base.with_values(dict.fromkeys(one.keys, value), given.locate(("vary", i)))
+            except InputError as error:
+                faults.append(str(error))
+        if len(faults) == before:
+            faults += [message for _, message in candidates.plan(scenario, [start])[1]]
+    if faults:
+        raise InputError("\n".join(dict.fromkeys(faults)))
+    return candidates
+
+
+def _varied(given: FileInput, i: int, one: VariedKey, scenario: Scenario) -> Varied:
+    """A varied key with its start. Raises InputError."""
+    value = one.start
+    if value is None:
+        value = given_value(scenario, one.key[0])
+    if value is None:  # an unknown key is told first
+        some = one.choices[0] if one.choices else one.low
+        vehicle_of(scenario.with_values(dict.fromkeys(one.key, some), given.locate(("vary", i))))
+        with given.naming("vary", i, "start"):
+            raise InputError(f"is missing: neither the scenario nor its vehicle gives {one.key[0]}")
+    named = short_name(one.key[0])
+    with given.naming("vary", i, "start", value=value):
+        if one.choices:
+            if value not in one.choices:
+                raise InputError(f"must be one of the choices: {', '.join(map(in_words, one.choices))}")
+            return Varied(
+                one.key, named, 0.0, len(one.choices) - 1.0, float(one.choices.index(value)), choices=one.choices
+            )
+        low, high = float(one.low or 0.0), float(one.high or 0.0)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"{one.key[0]} is no number there; take choices, or a key of a number")
+        if not low <= value <= high:
+            raise InputError(f"is outside of the bounds {low:g} to {high:g}; widen them, or start between them")
+    return Varied(one.key, named, low, high, float(value), one.spacing == "log", one.whole)
