@@ -12,7 +12,8 @@ from support.browser import Browser, browser
 from support.objects import kept_objects
 from support.vehicles import ROOT
 
-from wrsim import WrsimError, load, stepper
+from wrsim import SimulationError, WrsimError, load, stepper
+from wrsim.analysis.motion.run import holding_stepper
 from wrsim.api.pages import write_live
 from wrsim.report.live_vehicle import Places
 from wrsim.simulation.stepper import UNITS, Stepper
@@ -101,6 +102,31 @@ def test_friction_and_stiffness_act_as_in_the_workspace_of_a_stepper(again: Brow
     plain = stepper(SCENARIO)
     plain.step(5500)
     assert abs(plain.outputs["wheelset.Y_left_N"] - bench.outputs["wheelset.Y_left_N"]) > 0.01 * abs(before)
+
+
+def test_a_step_that_is_too_long_is_halved_until_the_forces_are_in_balance() -> None:
+    """The guard face of a grooved rail meets the wheel after 1.2 s."""
+    tram = load(ROOT / "scenarios/tram_r25.toml").with_values({"run.distance_m": 7.0})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("wrsim.analysis.motion.run.HALVINGS", 0)
+        with pytest.raises(SimulationError, match="no step down to 1 ms holds"):
+            holding_stepper(tram)
+    bench = holding_stepper(tram)
+    assert bench.step_size == 0.5e-3 and bench.time == 0.0
+    assert holding_stepper(load(FILE).with_values({"run.distance_m": 15.0})).step_size == 1e-3
+
+
+def test_a_vehicle_that_diverges_is_stopped_and_told(again: Browser) -> None:
+    again.run(
+        "const { live } = wrsim, { elements } = live.data;"
+        "const pairs = elements.flatMap((e) => e.places.map((p, k) => [p, 1e5 * e.values[k]]));"
+        "live.worker.postMessage({ set: pairs }); live.play(true)"
+    )
+    again.wait("document.getElementById('remark').textContent.includes('The run has ended at')")
+    told = again.run("return document.getElementById('remark').textContent")
+    assert "without balance" in told or "left its track" in told
+    assert "--step-ms 0.5" in told
+    again.wait("!wrsim.live.playing")
 
 
 def test_the_speed_changes_evenly_to_the_one_that_is_asked_for(again: Browser) -> None:

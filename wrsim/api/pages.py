@@ -117,7 +117,9 @@ def write_live(
     friction: Annotated[float, Option("Coefficient of friction to begin with.", least=0.0, most=0.8)] = 0.35,
     load_kN: Annotated[float, Option("Wheel load to begin with.", least=0.5, most=250.0)] = 60.0,
     values: options.Values = (),
-    step: Annotated[float, "Step of the integration of a scenario [s]."] = 1e-3,
+    step: Annotated[
+        float | None, "Step of the integration of a scenario [s]; None: one that holds over its run."
+    ] = None,
     models: options.Models = (),
     **reading: Unpack[Reading],
 ) -> Outcome:
@@ -125,12 +127,13 @@ def write_live(
 
     It contains a program and runs without network. A vehicle needs zig to be compiled (pip install ziglang).
     With "contact" every wheel is paired with every rail, by the strip model and Kik and Piotrowski's. --set and
-    --step-ms are for scenarios, the options of profiles for contacts.
+    --step-ms are for scenarios, the options of profiles for contacts. Without --step-ms the step is 1 ms, halved until
+    it holds: in 95 % of the steps of the run at most 1 % of the weight is left without balance.
 
     Returns
     -------
     Outcome
-        ``files``; ``value`` has the pairs.
+        ``files``; ``value`` has the pairs; of a scenario ``["step_s"]``.
 
     Raises
     ------
@@ -188,16 +191,21 @@ def _refuse(given: Mapping[str, Any], why: str) -> None:
 
 
 def _live_vehicle(
-    scenario: Path, file: AnyPath, values: Sequence[str] | Mapping[str, Any], step: float, models: Sequence[str | Path]
+    scenario: Path,
+    file: AnyPath,
+    values: Sequence[str] | Mapping[str, Any],
+    step: float | None,
+    models: Sequence[str | Path],
 ) -> Outcome:
     """The live page of a scenario."""
     from wrsim.report.live_vehicle import live_vehicle_page
     from wrsim.results import write_atomically
 
     loaded = as_scenario(scenario, models).with_set(values)
-    page = live_vehicle_page(loaded, step)
+    page, step = live_vehicle_page(loaded, step)
     target = Path(file) if file is not None else Path(f"{scenario.stem}.html")
-    return Outcome([], {}, [write_atomically(target, page.encode())], value=loaded)
+    lines = [f"{len(page) / 1e6:.1f} MB; steps of {1e3 * step:g} ms"]
+    return Outcome([], {"step_s": step}, [write_atomically(target, page.encode())], loaded, lines=lines)
 
 
 @documented

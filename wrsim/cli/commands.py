@@ -30,6 +30,10 @@ STEP_MS = inspect.Parameter(
     annotation=Annotated[float, Option("Step of the integration.", least=1e-3, most=5.0)],
 )
 
+LIVE_STEP_MS = STEP_MS.replace(
+    default=None, annotation=Annotated[float | None, Option("Step; default: one that holds.", least=1e-3, most=5.0)]
+)
+
 
 def _one_folder(given: Given) -> Given:
     if len(given["results"]) > 1 and "output" not in given:
@@ -42,7 +46,7 @@ def _columns(given: Given) -> Given:
 
 
 def _step(given: Given) -> Given:
-    return {"step": 1e-3 * given["step_ms"]}
+    return {"step": 1e-3 * given["step_ms"]} if "step_ms" in given else {}
 
 
 def _mute_log(given: Given) -> Given:
@@ -116,7 +120,7 @@ PANELS: dict[str, dict[str, Any]] = {
         "plot": command(pages.write_pictures, draws=DRAWS, of="result"),
         "report": command(pages.write_report, of="results"),
         "view": command(pages.write_view, of="result"),
-        "live": command(pages.write_live, _step, reads="files", further=[STEP_MS]),
+        "live": command(pages.write_live, _step, reads="files", further=[LIVE_STEP_MS]),
         "diff": command(analyses.diff, draws=DRAWS, reads="first second"),
     },
     "Assess": {

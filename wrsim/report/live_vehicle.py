@@ -13,9 +13,10 @@ import numpy as np
 from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
-from wrsim.analysis.motion.run import BENCH_STEP, stepper
+from wrsim.analysis.motion.run import holding_stepper, stepper
 from wrsim.assessment.limits import LimitContext
 from wrsim.assessment.rules import USUAL, rule_set
+from wrsim.contact.library.build import compiler_for
 from wrsim.contact.models import NORMAL_MODELS
 from wrsim.contact.records import LOBE, STRIP
 from wrsim.plots.theme import pressure_map
@@ -44,14 +45,19 @@ STRETCH = 5.0
 what its two iterations leave is told in the page."""
 
 
-def live_vehicle_page(scenario: Scenario | str | Path, step: float = BENCH_STEP) -> str:
-    """The page as HTML; step: of the integration [s]. Raises InputError and SimulationError as `stepper`, WrsimError
-    where the program cannot be compiled."""
+def live_vehicle_page(scenario: Scenario | str | Path, step: float | None = None) -> tuple[str, float]:
+    """The page as HTML, and its step [s].
+
+    step: of the integration [s]; none: one that holds over the run. Raises InputError and SimulationError as `stepper`,
+    WrsimError where the program cannot be compiled.
+    """
     scenario = loaded(scenario)
-    bench, setup = stepper(scenario, step), build(scenario)
+    compiler_for("wasm")
+    bench = holding_stepper(scenario) if step is None else stepper(scenario, step)
+    setup = build(scenario)
     normal = NORMAL_MODELS[setup.contact.normal].kernel
     program = unit_program(bench, normal, TOKEN, "wasm")
-    return live_page("live_vehicle.html", scenario.title, program, live_data(bench, setup))
+    return live_page("live_vehicle.html", scenario.title, program, live_data(bench, setup)), bench.step_size
 
 
 def live_data(bench: Stepper, setup: Setup[RunPlan]) -> dict[str, Any]:
@@ -65,7 +71,7 @@ def live_data(bench: Stepper, setup: Setup[RunPlan]) -> dict[str, Any]:
     track = setup.track
     line = centre_line(track.curvature(s), track.cant(s), track.grade(s), track.cant_base)
     return {
-        "about": _assumed(setup, step=float(bench.memory.views[kernel.STEP_RECORD]["h"][0])),
+        "about": _assumed(setup, step=bench.step_size),
         "colours": [to_hex(c) for c in pressure_map()(np.linspace(0.0, 1.0, 32))],
         "vehicle": vehicle_shapes(setup),
         "track": {"start": float(s[0]), "step": PATH_STEP, "line": packed(line, "f8")},
@@ -106,7 +112,7 @@ class Places:
             "residual": self.of(step["residual"]),
             "count": int(self.buffer.size),
             "weight": float(self.bench.law.vehicle.weight),
-            "step": float(step["h"][0]),
+            "step": self.bench.step_size,
         }
 
     def of_wheels(self) -> list[dict[str, int]]:

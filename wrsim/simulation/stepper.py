@@ -89,13 +89,18 @@ class Stepper:
 
     def __repr__(self) -> str:
         named = f"{len(self.inputs)} inputs, {len(self.outputs)} outputs"
-        step = f"step {1e3 * float(self._record.h):g} ms"
+        step = f"step {1e3 * self.step_size:g} ms"
         return f"Stepper({self.law.vehicle.name!r}, t = {self.time:.6g} s, {step}, {named})"
+
+    @property
+    def step_size(self) -> float:
+        """Step of the integration [s]."""
+        return float(self._record.h)
 
     @property
     def time(self) -> float:
         """Time since the start [s]."""
-        return float(self._record.h * self._record.steps)
+        return self.step_size * int(self._record.steps)
 
     @property
     def residual(self) -> tuple[float, float]:

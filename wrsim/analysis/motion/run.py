@@ -62,6 +62,9 @@ PEAK_ERROR, BLOW = 0.01, 10.0
 and so w^2, grows with the cube root of the load."""
 SHRUNK = 10.0  # by how much shorter than usual a chosen step of RK44 is reported
 BENCH_STEP, BENCH_ITERATIONS, BENCH_LONGEST = 1e-3, 2, 5e-3  # of vehicles that others move on step by step [s]
+HELD, HELD_SHARE, HALVINGS = 0.01, 0.95, 4
+"""A step of a `stepper` holds where in so large a share of the steps of a run at most so much of the weight is left
+without balance. One that is too long leaves as much as the weight in a tenth of them and more."""
 SEGMENT_EXACT = 5  # steps between two checkpoints with the exact contact solver; each takes a second or more
 
 
@@ -168,6 +171,32 @@ def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iteration
         return Stepper(law, *start_state(setup, law), step, iterations)
     except NoSteadyMotion as problem:
         raise SimulationError(start_words(problem, setup)) from None
+
+
+def holding_stepper(scenario: Scenario) -> Stepper:
+    """A `stepper` with BENCH_STEP, halved until it holds over the run. Raises SimulationError where none does."""
+    for halvings in range(HALVINGS + 1):
+        step = BENCH_STEP / 2**halvings
+        tried = stepper(scenario, step)
+        if _holds(tried, round(build(scenario).plan.duration / step)):
+            return stepper(scenario, step)
+    raise SimulationError(
+        f"{scenario.title}: no step down to {1e3 * step:g} ms holds with {BENCH_ITERATIONS} iterations: more than"
+        f" {HELD:.0%} of the weight is left without balance in more than {1.0 - HELD_SHARE:.0%} of the steps"
+    )
+
+
+def _holds(bench: Stepper, steps: int) -> bool:
+    """Whether so many steps hold."""
+    left = round((1.0 - HELD_SHARE) * steps)
+    with suppress(SimulationError):
+        for _ in range(steps):
+            bench.step()
+            left -= bench.residual[0] > HELD
+            if left < 0:
+                return False
+        return True
+    return False
 
 
 def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:

@@ -141,6 +141,7 @@ class LiveVehicle {
   }
 
   take({ frame, samples, cost, begun, restarted, ended, moved }) {
+    const { data } = this;
     if (restarted !== undefined) {
       Object.assign(this, { count: 0, every: 1, skipped: 0 });
       this.tell(restarted && `Again from the start, after ${restarted}.`);
@@ -149,10 +150,10 @@ class LiveVehicle {
     Object.assign(this, { frame, cost });
     if (ended) {
       this.play(false);
-      this.tell(`The run has ended at ${frame.time.toFixed(3)} s: ${ended}.`);
+      this.tell(`The run has ended at ${frame.time.toFixed(3)} s: ${ended}. Start again with other values, or make the page with a shorter step: wrsim live --step-ms ${500 * data.places.step}`);
     }
     if (begun) this.begun();
-    if (moved) this.waiting.shift()?.(this.read());
+    if (moved || ended) this.waiting.shift()?.(this.read());
     if (!this.drawing) {
       this.drawing = true;
       requestAnimationFrame((now) => {

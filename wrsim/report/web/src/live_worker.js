@@ -4,7 +4,7 @@ const EVERY = 10e-3; // between two samples of the histories [s]
 const PIECE = 4; // numbers of a piece of the motion: time, distance, speed, acceleration
 const RATE_OF_SPEED = 1; // at which the speed changes [m/s2]
 const NEVER = 1e30;
-const ENDED = "the vehicle has left its track, or a force is not a number; a shorter step may help: wrsim live --step-ms 0.5";
+const LOST = 20; // steps one after another that leave more than the weight without balance
 
 /** A vehicle: the functions of its unit, and its workspace as numbers. */
 class Unit {
@@ -28,7 +28,7 @@ class Unit {
 
   begin() {
     this.exports.fmi3Reset(this.instance);
-    Object.assign(this, { steps: 0, ramp: null });
+    Object.assign(this, { steps: 0, ramp: null, lost: 0 });
     const { numbers } = this;
     for (const [place, value] of this.changed) numbers[place] = value;
     this.exports.fmi3EnterInitializationMode(this.instance, 0, 0, 0, 0, 0);
@@ -69,15 +69,17 @@ class Unit {
     this.ramp = { speed, end: this.time + Math.abs(speed - now) / RATE_OF_SPEED };
   }
 
-  /** One step; whether it was taken. */
+  /** One step; why the run has ended, if it has. */
   advance() {
     if (this.ramp && this.time >= this.ramp.end) {
       this.piece(this.motion()[0], this.ramp.speed, 0);
       this.ramp = null;
     }
-    if (this.exports.fmi3DoStep(this.instance, this.time, this.step, 0, 0, 0, 0, 0)) return false;
+    if (this.exports.fmi3DoStep(this.instance, this.time, this.step, 0, 0, 0, 0, 0)) return "the vehicle has left its track, or a force is not a number";
     this.steps += 1;
-    return true;
+    const { residual, weight } = this.places;
+    this.lost = this.numbers[residual] > weight ? this.lost + 1 : 0;
+    return this.lost < LOST ? "" : `the integration diverges: ${LOST} steps in turn left more than the weight without balance`;
   }
 
   copy(first, count) {
@@ -120,31 +122,32 @@ function restart(reason) {
   send({ restarted: reason });
 }
 
-/** Some steps; false where the run has ended. */
+/** Some steps; why the run has ended, if it has. */
 function move(count) {
   const every = Math.max(Math.round(EVERY / unit.step), 1);
   for (let i = 0; i < count; i++) {
-    if (!unit.advance()) return false;
+    const ended = unit.advance();
+    if (ended) return ended;
     if (unit.steps % every === 0) samples.push(unit.sample());
   }
-  return true;
+  return "";
 }
 
 function work() {
   const now = performance.now();
   if (playing) {
     due = Math.min(due + ((now - before) / 1000) * rate, 0.1 * rate + unit.step);
-    let steps = 0, ok = true;
-    while (ok && due >= unit.step && performance.now() - now < SLICE) {
-      ok = move(1);
+    let steps = 0, ended = "";
+    while (!ended && due >= unit.step && performance.now() - now < SLICE) {
+      ended = move(1);
       due -= unit.step;
       steps += 1;
     }
     const took = performance.now() - now;
     if (steps) [busy, spent] = [0.95 * busy + took, 0.95 * spent + steps * unit.step * 1e3];
-    if (!ok) {
+    if (ended) {
       playing = false;
-      send({ ended: ENDED });
+      send({ ended });
     } else if (unit.numbers[unit.places.bodies.first] > end) restart("the end of the track");
     else if (now - shown > FRAME) {
       shown = now;
@@ -169,8 +172,8 @@ onmessage = async ({ data }) => {
   else if (data.speed !== undefined) unit.goTo(data.speed);
   else if (data.restart) restart("");
   else if (data.steps) {
-    const moved = move(data.steps);
-    send(moved ? { moved: data.steps } : { ended: ENDED });
+    const ended = move(data.steps);
+    send(ended ? { ended } : { moved: data.steps });
   }
   if (!data.program && data.end) end = data.end;
   if (data.playing !== undefined) playing = data.playing;
