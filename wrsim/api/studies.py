@@ -144,7 +144,7 @@ def run_type_test(
     InputError
         With all faults of the file and of its runs.
     """
-    from wrsim.report.study import type_test_page
+    from wrsim.report.study import verdict_page
     from wrsim.study import type_test as tests
     from wrsim.study.programme import read_programme
     from wrsim.study.task import COMPLETED, DERAILED
@@ -161,10 +161,10 @@ def run_type_test(
             verdicts, notes = tests.verdicts(programme, markers)
             numbers, sentence = tests.verdict_numbers(plan.title, verdicts, notes), tests.verdict_words(verdicts)
             names = [state.name for state in programme.spec.states]
-            pages = {name: tests.state_table([v for v in verdicts if v.state == name]) for name in names}
+            pages = {f"State: {n}": tests.state_table([v for v in verdicts if v.state == n]) for n in names}
             texts = {"Programme": plan.source, "Base scenario": plan.text}
             summary = tests.summary_words(programme)
-            page = type_test_page(plan.title, summary, pages, notes, sentence, numbers["passed"], texts)
+            page = verdict_page(plan.title, summary, pages, notes, sentence, numbers["passed"], texts)
             table = tests.whole_table(plan.title, verdicts)
             files = tests.write_verdicts(computation.directory, numbers, table, page)
     code = 0 if numbers["passed"] else 4

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 
 import wrsim
-from wrsim.api import analyses, data, pages, profiles, runs, studies, vehicles
+from wrsim.api import analyses, data, measurements, pages, profiles, runs, studies, vehicles
 from wrsim.api.options import Option
 from wrsim.api.outcome import Outcome
 from wrsim.cli import console
@@ -125,6 +125,7 @@ PANELS: dict[str, dict[str, Any]] = {
     },
     "Assess": {
         "assess": command(analyses.assess, _one_folder, draws=DRAWS, of="results"),
+        "validate": command(measurements.validate, draws=DRAWS),
         "ride": command(analyses.ride, draws=DRAWS, of="result"),
         "spectra": command(analyses.spectra, draws=DRAWS, of="result"),
         "conicity": command(profiles.conicity, draws=DRAWS),

@@ -187,8 +187,14 @@ def _step(distance: Array) -> float:
 
 
 def _numbers(path: Path, table: RecordedTable, channel: ChannelSection) -> Array:
-    """A column in its own unit; not-a-number where a cell has none."""
-    name, distance = channel.column, channel.quantity == "distance"
+    """A column in its own unit; see `column_numbers`."""
+    return column_numbers(path, table, channel.column, channel.quantity == "distance", channel.unit)
+
+
+def column_numbers(
+    path: Path, table: RecordedTable, name: str, distance: bool = False, unit: str | None = None
+) -> Array:
+    """A column in its own unit; not-a-number where a cell has none. distance: may have stations. Raises InputError."""
     i = table.header.index(name)
     values, far = np.empty(len(table.rows)), []
     whole = np.zeros(values.size)
@@ -209,11 +215,11 @@ def _numbers(path: Path, table: RecordedTable, channel: ChannelSection) -> Array
     if not far:
         return values
     hundreds = max(far) < 100.0
-    if channel.unit != "ft" and hundreds and np.ptp(whole) > 0.0:
+    if unit != "ft" and hundreds and np.ptp(whole) > 0.0:
         stations = f"stations of 100 ('{table.rows[0][i]}'), no kilometres: needs the unit ft"
         raise InputError(f"{table.where}: column '{name}': has {stations}")
-    size = (100.0 if hundreds else 5280.0) if channel.unit == "ft" else 1.0 if channel.unit == "km" else 1e3
-    return size * whole + (1e-3 * values if channel.unit == "km" else values)
+    size = (100.0 if hundreds else 5280.0) if unit == "ft" else 1.0 if unit == "km" else 1e3
+    return size * whole + (1e-3 * values if unit == "km" else values)
 
 
 def _check_distance(path: Path, name: str, distance: Array, lines: Array) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from wrsim import __version__
+from wrsim.plots.drawing import Makers
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, numbers_in, of_cases, study_figures
 from wrsim.plots.wear import LAW_WORDS, evolution_figures
 from wrsim.report.document import ASKED, NO_COVER, Cover, contact_sentence, vehicle_name
@@ -154,17 +155,19 @@ def _text(value: object) -> str:
     return formatted(float(value), ".6g") if isinstance(value, float | np.floating) else str(value)
 
 
-def type_test_page(
+def verdict_page(
     title: str, summary: str, tables: dict[str, Table], notes: Sequence[str], words: str, passed: bool,
-    texts: dict[str, str], cover: Cover = NO_COVER,
+    texts: dict[str, str], figures: Makers | None = None, cover: Cover = NO_COVER,
 ) -> str:  # fmt: skip
-    """The report of a type test as HTML. tables: of verdicts, by state; words: the verdict; texts: files by name."""
+    """The report of a type test, a validation or a calibration as HTML. tables: by their headings; words: the verdict;
+    texts: files by name."""
     page = {
         "cover": cover.of(title),
         "version": __version__,
         "verdict": ReportVerdict(OPEN if passed else BAD, words),
         "summary": summary,
         "tables": tables,
+        "pictures": [as_picture(name, make()) for name, make in (figures or {}).items()],
         "notes": notes,
         "texts": texts,
     }

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.assessment.limits import QUANTITIES
@@ -82,22 +83,29 @@ def case_outputs(result: Result, wanted: OutputsSection, hook: Path | None) -> O
     return outputs
 
 
+def chosen_channel(dataset: xr.Dataset, one: ChannelOutput) -> xr.DataArray:
+    """A channel of a result, of the labels that are chosen. Raises InputError where the result has none of them."""
+    if one.channel not in dataset:
+        present = [name for name in CHANNELS if name in dataset]
+        raise InputError(f"this analysis has no such channel; it has {', '.join(present)}")
+    data = dataset[one.channel]
+    for dim, label in one.chosen().items():
+        names = [str(name) for name in dataset[dim].values]
+        if label not in names:
+            raise InputError(f'{dim} = "{label}": there is {", ".join(names)}{suggest(label, names)}')
+        data = data.sel({dim: label})
+    return data
+
+
 def _add_channel(outputs: Outputs, result: Result, one: ChannelOutput) -> None:
     channel = CHANNELS[one.channel]
     what = f'outputs.channels: channel = "{one.channel}"'
     outputs.add(one.column, None, channel.shown.symbol)
-    if one.channel not in result.dataset:
-        present = [name for name in CHANNELS if name in result.dataset]
-        outputs.faults.append(f"{what}: this analysis has no such channel; it has {', '.join(present)}")
+    try:
+        data = chosen_channel(result.dataset, one)
+    except InputError as error:
+        outputs.faults.append(f"{what}: {error}")
         return
-    data = result.dataset[one.channel]
-    for dim, label in one.chosen().items():
-        names = [str(name) for name in result.dataset[dim].values]
-        if label not in names:
-            hint = suggest(label, names)
-            outputs.faults.append(f'{what}: {dim} = "{label}": there is {", ".join(names)}{hint}')
-            return
-        data = data.sel({dim: label})
     if one.from_m is not None or one.to_m is not None:
         if data.dims[0] != "time":
             outputs.faults.append(f"{what}: from_m and to_m are for channels over time")

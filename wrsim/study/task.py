@@ -282,9 +282,14 @@ def compile_for(scenario: Scenario) -> None:
         if not ANALYSES[scenario.analysis].moves:
             run(scenario, progress, setup=build(scenario), threads=1)
             return
-        section = {key: value for key, value in scenario.merged.data.get("run", {}).items() if key != "distance_m"}
-        short = scenario.with_values({"run": section | {"time_s": SHORT}, "output.patches_at_m": []})
-        run(short, setup=build(short), threads=1)
+        begun(scenario)
+
+
+def begun(scenario: Scenario) -> Result:
+    """The first steps of a run: they have all channels. Raises as `run`."""
+    section = {key: value for key, value in scenario.merged.data.get("run", {}).items() if key != "distance_m"}
+    short = scenario.with_values({"run": section | {"time_s": SHORT}, "output.patches_at_m": []})
+    return run(short, setup=build(short), threads=1)
 
 
 SHORT = 0.02
