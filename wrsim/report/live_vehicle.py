@@ -69,7 +69,8 @@ def live_data(bench: Stepper, setup: Setup[RunPlan]) -> dict[str, Any]:
     first, last = setup.plan.start + min(ahead) - BEYOND, setup.track.length + BEYOND
     s = np.arange(np.floor(first), last, PATH_STEP)
     track = setup.track
-    line = centre_line(track.curvature(s), track.cant(s), track.grade(s), track.cant_base)
+    curvature = track.curvature(s)
+    line = centre_line(curvature, track.cant(s), track.grade(s), track.cant_base)
     return {
         "about": _assumed(setup, step=bench.step_size),
         "colours": [to_hex(c) for c in pressure_map()(np.linspace(0.0, 1.0, 32))],
@@ -77,6 +78,7 @@ def live_data(bench: Stepper, setup: Setup[RunPlan]) -> dict[str, Any]:
         "track": {"start": float(s[0]), "step": PATH_STEP, "line": packed(line, "f8")},
         "end": float(setup.track.length - max(ahead)),
         "called": called,
+        "wheel": int(curvature.sum() > 0.0),  # the outer one of the first wheelset
         "wheelsets": names,
         "bodies": [{"name": part.name, "centre": list(part.centre)} for part in vehicle.parts],
         "places": places.of_motion() | {"wheels": places.of_wheels(), "speed": places.of_speed()},
@@ -151,7 +153,8 @@ def _assumed(setup: Setup[RunPlan], step: float) -> str:
     support = setup.support or "rigid rails"
     return (
         f"{setup.vehicle.name}; contact: {setup.contact.normal}, {setup.contact.creep_forces}; rails: {support}; "
-        f"step {1e3 * step:g} ms with two iterations; start: the steady motion of the scenario"
+        f"step {1e3 * step:g} ms with two iterations; start: the steady motion of the scenario. "
+        "*: limit from memory of the standard"
     )
 
 
@@ -223,6 +226,7 @@ def _limits() -> dict[str, list[dict[str, Any]]]:
         limit = clause.limit_at(LimitContext()) if clause.quantity in LIMITED else None
         if limit is not None:
             shown = clause.judged.shown
-            words = f"{clause.judged.symbol} {shown.factor * limit.value:g} {shown.symbol} {limit.words}"
+            value = f"{shown.factor * limit.value:g} {shown.unit}".strip()
+            words = f"{clause.judged.symbol} {value}, {limit.source}{limit.star}"
             drawn.setdefault(clause.quantity, []).append({"value": shown.factor * limit.value, "words": words})
     return drawn

@@ -1,11 +1,9 @@
 // Time histories beside the picture: one channel of the chosen wheelset or of a body over the place, with a cursor.
-import { painted } from "./canvas.js";
+import { LIGHT, painted } from "./canvas.js";
+import { words } from "./controls.js";
 
-const INK = "#222222", QUIET = "#6b6b6b", FAINT = "#e2e2e2", LIMIT = "#b00020";
 const COLOURS = ["#0072b2", "#d55e00"];
 const MARGIN = { left: 58, right: 12, top: 20, bottom: 32 };
-
-const words = (v) => Number(v.toPrecision(4)).toString().replace("-", "\u2212");
 
 /** Round ticks, a few of them, from low to high. */
 export function ticks(low, high, most) {
@@ -17,8 +15,8 @@ export function ticks(low, high, most) {
 }
 
 export class History {
-  constructor(canvas, run, count) {
-    Object.assign(this, { canvas, run, count, key: "", part: 0, at: 0 });
+  constructor(canvas, run, count, look = LIGHT) {
+    Object.assign(this, { canvas, run, count, look, key: "", part: 0, at: 0 });
     const { distance, time } = run;
     const moves = Math.abs(distance.data[count - 1] - distance.data[0]) > 1e-9;
     this.x = moves ? distance.data : time.data;
@@ -32,7 +30,7 @@ export class History {
     const row = channel.data.length / this.count, wheels = channel.dims.includes("wheel") ? 2 : 1;
     return Array.from({ length: wheels }, (_, j) => {
       const k = this.part * wheels + j;
-      return [wheels > 1 ? ["left", "right"][j] : "", wheels > 1 ? COLOURS[j] : INK, (i) => channel.data[i * row + k]];
+      return [wheels > 1 ? ["left", "right"][j] : "", wheels > 1 ? COLOURS[j] : this.look.ink, (i) => channel.data[i * row + k]];
     });
   }
 
@@ -41,7 +39,7 @@ export class History {
   }
 
   paint(g, width, height) {
-    g.fillStyle = "#fff";
+    g.fillStyle = this.look.paper;
     g.fillRect(0, 0, width, height);
     const { x, count } = this, lines = this.lines();
     let low = Infinity, high = -Infinity;
@@ -70,33 +68,33 @@ export class History {
       g.lineTo(c, d);
       g.stroke();
     };
-    g.fillStyle = QUIET;
+    g.fillStyle = this.look.quiet;
     g.textAlign = "right";
     for (const v of ticks(low, high, 4)) {
-      line(MARGIN.left, Y(v), right, Y(v), FAINT);
+      line(MARGIN.left, Y(v), right, Y(v), this.look.faint);
       g.fillText(words(v), MARGIN.left - 6, Y(v) + 4);
     }
     g.textAlign = "center";
     for (const v of ticks(x[0], x[count - 1], Math.max(3, width / 110))) {
-      line(X(v), bottom, X(v), bottom + 4, QUIET);
+      line(X(v), bottom, X(v), bottom + 4, this.look.quiet);
       g.fillText(words(v), X(v), bottom + 16);
     }
     g.fillText(this.label, (MARGIN.left + right) / 2, height - 3);
     for (const { value, words: told } of limits) {
       g.setLineDash([5, 4]);
-      line(MARGIN.left, Y(value), right, Y(value), LIMIT);
+      line(MARGIN.left, Y(value), right, Y(value), this.look.N);
       g.setLineDash([]);
-      g.fillStyle = LIMIT;
+      g.fillStyle = this.look.N;
       g.textAlign = "right";
       g.fillText(told, right, Y(value) + (Y(value) > 34 ? -4 : 12));
     }
     for (const [, colour, value] of lines) this.curve(g, colour, value, X, Y);
     const i = Math.round(this.at);
-    line(X(x[i]), MARGIN.top - 4, X(x[i]), bottom, INK);
+    line(X(x[i]), MARGIN.top - 4, X(x[i]), bottom, this.look.ink);
     let from = MARGIN.left;
     g.textAlign = "left";
     for (const [name, colour, value] of lines) {
-      const v = value(i), told = `${name ? `${name} ` : ""}${Number.isFinite(v) ? words(v) : "\u2013"}`;
+      const v = value(i), told = `${name ? `${name} ` : ""}${words(v)}`;
       g.fillStyle = colour;
       g.fillText(told, from, 12);
       from += g.measureText(told).width + 18;

@@ -1,5 +1,5 @@
 // What live pages share: the program, its memory, the loop of frames, the ground, what is recorded.
-import { DARK, LIGHT } from "./section.js";
+import { DARK, LIGHT } from "./canvas.js";
 import { download } from "./save.js";
 
 const SIZES = { f: 8, i: 4 };

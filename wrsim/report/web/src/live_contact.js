@@ -1,18 +1,17 @@
 // A wheel in one's hand on its rail: pressures, patches and forces of two contact models beside each other.
 import { painted } from "./canvas.js";
+import { $, press, words } from "./controls.js";
 import { ticks } from "./history.js";
 import { Loop, Program, Record, ground, slider } from "./live.js";
 import { Section } from "./section.js";
 import { unpackAll } from "./unpack.js";
 import { Wheel, outlineOf, poseOf } from "./wheel.js";
 
-const $ = (id) => document.getElementById(id);
 const COLOURS = ["#0072b2", "#d55e00"]; // of the two models
 const SCALES = [100, 200, 300, 500, 750, 1000, 1500, 2000, 3000, 5000, 10000]; // ends of the scale of pressure [MPa]
 const TRACED = [["p0", "p0 [MPa]"], ["range", "\u0394\u03b3 [\u00b0]"], ["area", "area [mm\u00b2]"]];
 const UNMET = 8 | 16 | 32 | 512 | 2048, ABOVE = 0.02, FAR = 2e-4;
 const DEGREES = 180 / Math.PI;
-const words = (v, digits = 4) => (Number.isFinite(v) ? Number(v.toPrecision(digits)).toString().replace("-", "\u2212") : "\u2013");
 const scaleOf = (values, value) => values.find((v) => v >= value) ?? values.at(-1);
 
 const SLIDERS = [
@@ -300,11 +299,11 @@ class Page {
     $("pair").addEventListener("change", () => (this.choose(Number($("pair").value)), this.loop.ask()));
     this.sliders = Object.fromEntries(SLIDERS.map((about) => [about.id, { ...about, ...slider($("sliders"), about, (v) => this.set({ [about.id]: v * about.per })) }]));
     for (const button of document.querySelectorAll("[data-at]")) button.addEventListener("click", () => this.hold(button.dataset.at));
-    for (const button of document.querySelectorAll("[data-hand]")) button.addEventListener("click", () => (this.press("hand", button.dataset.hand), (this.hand = button.dataset.hand)));
+    for (const button of document.querySelectorAll("[data-hand]")) button.addEventListener("click", () => (press("hand", button.dataset.hand), (this.hand = button.dataset.hand)));
     data.models.forEach((name, i) => {
       const button = Object.assign(document.createElement("button"), { type: "button", textContent: name });
       button.dataset.model = i;
-      button.addEventListener("click", () => ((this.model = i), this.press("model", i), this.loop.ask()));
+      button.addEventListener("click", () => ((this.model = i), press("model", i), this.loop.ask()));
       $("models").append(button);
       $(`model-${i}`).textContent = $(`head-${i}`).textContent = name;
     });
@@ -316,20 +315,16 @@ class Page {
     $("reset").addEventListener("click", () => this.set({ shift: 0, yaw: 0, roll: 0, xi: 0, eta: 0, phi: 0, ...this.data.start }));
     $("clear").addEventListener("click", () => ((this.record.rows = []), this.loop.ask()));
     $("save").addEventListener("click", () => this.record.save("contact.csv"));
-    this.press("at", "load");
-    this.press("hand", (this.hand = "move"));
-    this.press("model", 0);
+    press("at", "load");
+    press("hand", (this.hand = "move"));
+    press("model", 0);
     this.hold("load");
-  }
-
-  press(group, value) {
-    for (const button of document.querySelectorAll(`[data-${group}]`)) button.setAttribute("aria-pressed", String(button.dataset[group] === String(value)));
   }
 
   /** At a load or at a height. */
   hold(at) {
     this.at = at;
-    this.press("at", at);
+    press("at", at);
     for (const id of ["load", "height"]) this.sliders[id].label.hidden = id !== at;
     this.loop.ask();
   }

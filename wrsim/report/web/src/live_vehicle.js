@@ -1,4 +1,5 @@
 // A vehicle that runs while one watches: its program works beside the page, which draws what it sends.
+import { $, VehiclePage, words as short } from "./controls.js";
 import { History } from "./history.js";
 import { download, pngOf } from "./save.js";
 import { Section } from "./section.js";
@@ -7,7 +8,6 @@ import { ground, slider } from "./live.js";
 import { unpackAll } from "./unpack.js";
 import { outlineOf } from "./wheel.js";
 
-const $ = (id) => document.getElementById(id);
 const SIDES = ["left", "right"], KEPT = 20000; // samples
 const NEAR_EDGE = [0, 0.05, 0.2, 0.5]; // of half a strip, as in the pictures
 const made = (tag, more, ...inside) => {
@@ -15,7 +15,6 @@ const made = (tag, more, ...inside) => {
   one.append(...inside);
   return one;
 };
-const short = (v, digits = 4) => Number(v.toPrecision(digits)).toString().replace("-", "\u2212");
 
 /** One wheel on its rail as it is now. */
 class LiveSection extends Section {
@@ -66,18 +65,18 @@ class LiveSection extends Section {
   }
 }
 
-class LiveVehicle {
+class LiveVehicle extends VehiclePage {
   async begin() {
     this.data = await unpackAll(JSON.parse($("data").textContent));
     const { data } = this, { places } = data;
     Object.assign(this, { playing: false, factor: 1, every: 1, skipped: 0, count: 0, frames: [], waiting: [] });
     places.bodies.count = data.bodies.length;
     places.records = { lobe: data.records.lobe.length, strip: data.records.strip.length, strips_of_lobe: data.records.lobe.indexOf("n_strips") };
-    this.beginHistory();
     const look = ground((other) => {
-      this.section.look = other;
+      this.section.look = this.history.look = other;
       this.show();
     });
+    this.beginHistory(look);
     this.section = new LiveSection($("section"), data.profiles, data.colours, look);
     this.stage = new Stage($("stage"), data.vehicle, new Track(data.track));
     $("about").textContent = data.about;
@@ -87,7 +86,7 @@ class LiveVehicle {
     this.worker = new Worker(URL.createObjectURL(source));
     this.worker.onmessage = (event) => this.take(event.data);
     this.worker.onerror = (event) => this.tell(`The program cannot start in this browser: ${event.message}`);
-    this.worker.postMessage({ program: data.program.data.buffer, token: data.token, places, end: data.end });
+    this.worker.postMessage({ program: data.program.data.buffer, token: data.token, places, end: data.end, wheel: data.wheel });
     await new Promise((done) => (this.begun = done));
     new ResizeObserver(() => {
       this.stage.resize();
@@ -98,7 +97,7 @@ class LiveVehicle {
     this.show();
   }
 
-  beginHistory() {
+  beginHistory(look) {
     const { data } = this, wheels = data.places.wheels.length, rows = new Map();
     const channel = (key, words, unit, dims, value) => rows.set(key, { words, unit, dims, value, wide: dims.includes("wheel") ? wheels : data.wheelsets.length, limits: data.limits[key] ?? [] });
     const wide = data.places.bodies.names.length, from = 1 + data.bodies.length * wide, forces = data.places.forces.names;
@@ -115,7 +114,7 @@ class LiveVehicle {
     this.distance = new Float64Array(KEPT);
     for (const row of rows.values()) row.all = new Float32Array(KEPT * row.wide);
     this.run = { distance: { data: this.distance }, time: { data: this.time }, channels: Object.fromEntries(rows), wheelsets: data.wheelsets };
-    this.history = new History($("history"), this.run, 1);
+    this.history = new History($("history"), this.run, 1, look);
     this.history.label = "time since the start [s]";
     for (const [key, { words, unit }] of rows) $("channel").append(new Option(unit ? `${words} [${unit}]` : words, key));
   }
@@ -218,26 +217,10 @@ class LiveVehicle {
     $("again").addEventListener("click", () => this.worker.postMessage({ restart: true }));
     $("rate").addEventListener("change", () => this.worker.postMessage({ rate: Number($("rate").value) }));
     data.places.wheels.forEach((_, k) => $("wheel").append(new Option(`${this.called(data.wheelsets[k >> 1])}, ${SIDES[k % 2]}`, k)));
+    $("wheel").value = data.wheel;
     $("wheel").addEventListener("change", () => this.worker.postMessage({ wheel: Number($("wheel").value) }));
     $("channel").addEventListener("change", () => this.show());
-    for (const button of document.querySelectorAll("[data-factor]")) {
-      button.addEventListener("click", () => {
-        this.factor = Number(button.dataset.factor);
-        for (const other of document.querySelectorAll("[data-factor]")) other.setAttribute("aria-pressed", String(other === button));
-        this.show();
-      });
-    }
-    for (const button of document.querySelectorAll("[data-view]")) {
-      button.addEventListener("click", () => {
-        this.stage.view(button.dataset.view, $("focus").value || null);
-        this.show();
-      });
-    }
-    for (const name of this.stage.parts.keys()) $("focus").append(new Option(this.called(name), name));
-    $("focus").addEventListener("change", () => {
-      this.stage.view("oblique", $("focus").value || null);
-      this.show();
-    });
+    this.beginCamera();
     for (const button of document.querySelectorAll("[data-save]")) {
       const what = button.dataset.save;
       button.addEventListener("click", async () => download(what === "csv" ? this.csv() : await pngOf($(what)), `${data.title}.${what === "csv" ? "csv" : `${what}.png`}`));
@@ -247,10 +230,6 @@ class LiveVehicle {
       const act = { " ": () => this.play(!this.playing), ".": () => this.move(1), Home: () => $("again").click() }[key];
       if (act) act();
     });
-  }
-
-  called(name) {
-    return this.data.called[name] ?? name;
   }
 
   play(on) {

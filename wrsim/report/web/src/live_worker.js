@@ -163,7 +163,7 @@ onmessage = async ({ data }) => {
     const { instance } = await WebAssembly.instantiate(data.program, {});
     instance.exports._initialize?.();
     unit = new Unit(instance.exports, data.token, data.places);
-    end = data.end;
+    wheel = data.wheel;
     before = performance.now();
     samples = [unit.sample()];
     send({ begun: true });
@@ -175,7 +175,7 @@ onmessage = async ({ data }) => {
     const ended = move(data.steps);
     send(ended ? { ended } : { moved: data.steps });
   }
-  if (!data.program && data.end) end = data.end;
+  if (data.end) end = data.end;
   if (data.playing !== undefined) playing = data.playing;
   if (data.rate) rate = data.rate;
   if (data.wheel !== undefined) {

@@ -1,16 +1,8 @@
 // One wheel on its rail: the section to scale above, the patches closely beneath it.
-import { painted } from "./canvas.js";
+import { LIGHT, painted } from "./canvas.js";
 
-/** Colours of drawings on light and on dark ground. */
-export const LIGHT = {
-  paper: "#ffffff", ink: "#222222", quiet: "#6b6b6b", faint: "#d9d9d9", rail: "#e4e7eb", wheel: "#f4efe4",
-  N: "#b00020", Y: "#0072b2", Q: "#00795c",
-};
-export const DARK = {
-  paper: "#16191d", ink: "#e8e8e8", quiet: "#a3a8ae", faint: "#3c4249", rail: "#2c333b", wheel: "#38342b",
-  N: "#ff7a85", Y: "#62b5ef", Q: "#4fc7a6",
-};
 const WEAR = "#8e44adb0", WEAR_WORDS = "#6c2f87";
+const kN = (v) => `${v.toFixed(1)} kN`.replace("-", "\u2212");
 const OVERVIEW = [-88, 58, -42, 22];
 
 export class Section {
@@ -284,11 +276,11 @@ export class Section {
     patches.forEach((patch, i) => {
       const [o, b] = patch.points[Math.floor(patch.points.length / 2)];
       const turn = (patch.angle * Math.PI) / 180, long = (most * patch.N) / largest;
-      arrow([X(o), Y(b)], [long * Math.sin(turn), long * Math.cos(turn)], this.look.N, near || patches.length === 1 ? `N ${patch.N.toFixed(1)} kN` : "");
+      arrow([X(o), Y(b)], [long * Math.sin(turn), long * Math.cos(turn)], this.look.N, near || patches.length === 1 ? `N ${kN(patch.N)}` : "");
       if (i || near || !this.forces) return;
       const { Y: side, Q: down } = this.forces;
-      if (Number.isFinite(side)) arrow([X(o), Y(b)], [(most * side) / largest, 0], this.look.Y, `Y ${side.toFixed(1)} kN`);
-      if (Number.isFinite(down)) arrow([X(o), Y(b)], [0, (most * down) / largest], this.look.Q, `Q ${down.toFixed(1)} kN`);
+      if (Number.isFinite(side)) arrow([X(o), Y(b)], [(most * side) / largest, 0], this.look.Y, `Y ${kN(side)}`);
+      if (Number.isFinite(down)) arrow([X(o), Y(b)], [0, (most * down) / largest], this.look.Q, `Q ${kN(down)}`);
     });
   }
 

@@ -1,16 +1,15 @@
 // The viewer of a run: wheels on their rails, and the vehicle on its track, at one place.
+import { $, VehiclePage, words } from "./controls.js";
 import { History } from "./history.js";
 import { download, pngOf, Recording, svgOf, videoKind } from "./save.js";
 import { Section } from "./section.js";
 import { Stage, Track } from "./scene.js";
 import { unpackAll } from "./unpack.js";
 
-const $ = (id) => document.getElementById(id);
 const fixed = (v, digits) => v.toFixed(digits).replace(/^-(?=[0.]*$)/, "");
-const words = (v, digits = 4) => (Number.isFinite(v) ? Number(v.toPrecision(digits)).toString().replace("-", "\u2212") : "\u2013");
 const STEADY = 1e-9;
 
-class Viewer {
+class Viewer extends VehiclePage {
   async begin() {
     this.data = await unpackAll(JSON.parse($("data").textContent));
     const { run, sections, vehicle, modes } = this.data;
@@ -140,11 +139,6 @@ class Viewer {
     return new Promise((done) => (this.recorded = done));
   }
 
-  /** A wheelset with its number from the front, as in the tables; anything else by its name. */
-  called(name) {
-    return this.data.called[name] ?? name;
-  }
-
   beginStage() {
     this.stage = new Stage($("stage"), this.vehicle, new Track(this.run?.track), this.run?.bent);
     if (this.run?.suspension) {
@@ -163,22 +157,7 @@ class Viewer {
     $("place").max = Math.max(this.count - 1, 0);
     $("place").addEventListener("input", () => this.go(Number($("place").value)));
     $("play").addEventListener("click", () => this.play(!this.playing));
-    for (const button of document.querySelectorAll("[data-factor]")) {
-      button.addEventListener("click", () => this.exaggerate(Number(button.dataset.factor)));
-    }
-    for (const button of document.querySelectorAll("[data-view]")) {
-      button.addEventListener("click", () => {
-        this.stage.view(button.dataset.view, $("focus").value || null);
-        this.stage.render();
-      });
-    }
-    if (this.stage) {
-      for (const name of this.stage.parts.keys()) $("focus").append(new Option(this.called(name), name));
-      $("focus").addEventListener("change", () => {
-        this.stage.view("oblique", $("focus").value || null);
-        this.stage.render();
-      });
-    }
+    this.beginCamera();
     for (const event of run?.events ?? []) $("event").append(new Option(`${event.s.toFixed(1)} m: ${event.words}`, event.s));
     $("event").addEventListener("change", () => $("event").value && this.seek(Number($("event").value)));
     $("event-label").hidden = !run?.events.length;
@@ -222,14 +201,6 @@ class Viewer {
     const critical = this.modes.speeds.findIndex((of) => of.critical);
     $("speed").value = Math.max(critical, 0);
     fill();
-  }
-
-  exaggerate(factor) {
-    this.factor = factor;
-    for (const button of document.querySelectorAll("[data-factor]")) {
-      button.setAttribute("aria-pressed", String(Number(button.dataset.factor) === factor));
-    }
-    this.show();
   }
 
   /** Show sample i; a broken number stands between two samples and is for motion pictures only. */

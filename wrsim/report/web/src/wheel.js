@@ -23,8 +23,8 @@ export function outlineOf(points, pose) {
   return points.map(([u, rho], i) => {
     const [before, after] = [points[Math.max(i - 1, 0)], points[Math.min(i + 1, points.length - 1)]];
     const [du, dw] = [after[0] - before[0], before[1] - after[1]], long = Math.hypot(du, dw);
-    let sine = ((-dw / long) * x) / (Math.max(du / long, 1e-3) * q);
-    if (Math.abs(sine) > 0.25) sine = 0;
+    // where the flange is steeper than the line of sight the largest circle hides the rest up to the axle
+    const sine = Math.min(Math.max(((-dw / long) * x) / (Math.max(du / long, 1e-3) * q), -1), 1);
     const cosine = Math.sqrt(1 - sine * sine);
     return [o + u * y + (rho * (cosine * z - sine * x * y)) / q, b + u * z + (rho * (-cosine * y - sine * x * z)) / q];
   });
