@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 
 import wrsim
-from wrsim.api import analyses, data, measurements, pages, profiles, runs, studies, vehicles
+from wrsim.api import analyses, data, decisions, measurements, pages, profiles, runs, studies, vehicles
 from wrsim.api.options import Option
 from wrsim.api.outcome import Outcome
 from wrsim.cli import console
@@ -112,6 +112,7 @@ PANELS: dict[str, dict[str, Any]] = {
         "study": command(studies.run_study, show=_show_study, draws=DRAWS),
         "type-test": command(studies.run_type_test),
         "wear": command(studies.run_wear, draws=DRAWS),
+        "optimise": command(decisions.run_optimisation, draws=DRAWS),
         "compare": command(runs.compare, draws=DRAWS, reads="scenario"),
         "resolve": command(runs.resolve, draws=DRAWS),
     },

@@ -7,7 +7,7 @@ again meets the same numbers.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from math import exp, log
 from pathlib import Path
@@ -49,7 +49,7 @@ class VariedKey(Section, header="[[vary]]"):
     """Lower bound."""
     high: Annotated[float, number()] | None = None
     """Upper bound."""
-    start: Any = None
+    start: Annotated[Any, Field(description="a value of that key")] = None
     """Value at the start; that of the first scenario unless given."""
     spacing: Literal["linear", "log"] = "linear"
     """Whether steps are even in the value, or in its logarithm."""
@@ -120,6 +120,16 @@ class Varied:
     whole: bool = False
     choices: tuple[Any, ...] = ()
 
+    @property
+    def stepped(self) -> bool:
+        """Whether there is nothing between two of its numbers."""
+        return self.whole or bool(self.choices)
+
+    @property
+    def range_words(self) -> str:
+        """Bounds or choices, for sentences."""
+        return " or ".join(map(in_words, self.choices)) or f"{self.low:g} to {self.high:g}, start {self.start:g}"
+
     def value(self, x: float) -> Any:
         """The value in the file for a number: within the bounds, rounded or chosen."""
         x = min(max(float(x), self.low), self.high)
@@ -156,6 +166,11 @@ class Evaluated(NamedTuple):
     numbers: Mapping[str, float | None] = {}
     units: Mapping[str, str] = {}
     folder: Path | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the case."""
+        return "" if self.folder is None else self.folder.name
 
     def dataset(self) -> xr.Dataset:
         """The whole result, where results are kept."""
@@ -230,18 +245,19 @@ class Candidates:
         Raises InputError where an output cannot be had of a case that is completed."""
         rows = [self.values(point) for point in points]
         todo = list(dict.fromkeys(rows))
-        refused: dict[tuple[Any, ...], dict[str, Evaluated]] = {}
-        for scenario in self.scenarios:
-            for (i,), message in self.plan(scenario, todo)[1]:
-                refused.setdefault(todo[i], {})[scenario.name] = Evaluated(REFUSED, message)
-        runs = [row for row in todo if row not in refused]
-        cases: dict[tuple[Any, ...], dict[str, Evaluated]] = {row: {} for row in runs} | refused
-        for scenario in self.scenarios if runs else ():
-            plan, _ = self.plan(scenario, runs)
-            if left := missing(plan):
-                work(plan, left)
-            for row, case in zip(runs, plan.cases, strict=True):
-                cases[row][scenario.name] = _evaluated(read_marker(plan.folder_of(case)), plan.folder_of(case))
+        plans = {scenario.name: self.plan(scenario, todo) for scenario in self.scenarios}
+        cases: dict[tuple[Any, ...], dict[str, Evaluated]] = {}
+        for name, (_, refused) in plans.items():
+            for (i,), message in refused:
+                cases.setdefault(todo[i], {})[name] = Evaluated(REFUSED, message)
+        if runs := [row for row in todo if row not in cases]:
+            cases |= {row: {} for row in runs}
+            for scenario in self.scenarios:
+                plan = self.plan(scenario, runs)[0] if len(runs) < len(todo) else plans[scenario.name][0]
+                if left := missing(plan):
+                    work(plan, left)
+                for row, case in zip(runs, plan.cases, strict=True):
+                    cases[row][scenario.name] = _evaluated(read_marker(plan.folder_of(case)), plan.folder_of(case))
         return [Candidate(row, cases[row]) for row in rows]
 
 
@@ -267,8 +283,10 @@ def read_candidates(
         loaded = load(given.found(*key, name=base), given.models)
         scenarios.append(OneScenario(name, loaded, weight, outputs[name], (hooks or {}).get(name, "")))
     first = scenarios[0].base
-    varied = tuple(_varied(given, i, one, first) for i, one in enumerate(spec.vary))
-    candidates = Candidates(given, spec.title or first.title, folder, varied, tuple(scenarios), spec.cases)
+    varied = [_varied(given, i, one, first) for i, one in enumerate(spec.vary)]
+    shared = repeated(one.name for one in varied)
+    varied = [replace(one, name=one.keys[0]) if one.name in shared else one for one in varied]
+    candidates = Candidates(given, spec.title or first.title, folder, tuple(varied), tuple(scenarios), spec.cases)
     start, faults = candidates.values(candidates.start), list[str]()
     for scenario in candidates.scenarios:
         before = len(faults)

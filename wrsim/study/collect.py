@@ -75,15 +75,15 @@ def collected(plan: Plan, markers: Sequence[Marker]) -> xr.Dataset:
 def _coordinates(axis: AxisPoints) -> dict[str, Any]:
     """The labels of an axis, and of rows and samples the values of their keys."""
     if not axis.listed:
-        return {axis.name: (axis.name, _labels([row[0] for row in axis.values]), {"key": ", ".join(axis.keys[0])})}
+        return {axis.name: (axis.name, labels_of([row[0] for row in axis.values]), {"key": ", ".join(axis.keys[0])})}
     coordinates: dict[str, Any] = {axis.name: (axis.name, np.array(axis.labels or range(len(axis.values))), {})}
     for column, keys, values in zip(axis.columns, axis.keys, zip(*axis.values, strict=True), strict=True):
         name = column.replace(" ", "_")  # as coordinates of netCDF are called
-        coordinates[name] = (axis.name, _labels(values), {"key": ", ".join(keys)})
+        coordinates[name] = (axis.name, labels_of(values), {"key": ", ".join(keys)})
     return coordinates
 
 
-def _labels(values: Sequence[Any]) -> NDArray[Any]:
+def labels_of(values: Sequence[Any]) -> NDArray[Any]:
     """Numbers as they are, everything else in words."""
     if all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
         return np.array(values, dtype=float)

@@ -54,8 +54,8 @@ def known_names(wanted: OutputsSection, analysis: str) -> tuple[str, ...]:
         channels = USUAL
     elif wanted == OutputsSection() or wanted.hook is not None:
         return ()
-    assessed = [name for key in wanted.assessment for name in (_assessment_name(key), _margin_name(key))]
-    return (*(one.column for one in channels), *map(_name_of_place, wanted.summary), *assessed)
+    assessed = [name for key in wanted.assessment for name in (assessment_name(key), margin_name(key))]
+    return (*(one.column for one in channels), *map(place_name, wanted.summary), *assessed)
 
 
 def case_outputs(result: Result, wanted: OutputsSection, hook: Path | None) -> Outputs:
@@ -139,7 +139,7 @@ def reduced(values: NDArray[np.float64], how: str, percentile: float | None = No
 
 def _add_place(outputs: Outputs, summary: Mapping[str, Any], place: str) -> None:
     """A number of the summary by its dotted place; a peak counts as its value. Keys may hold dots themselves."""
-    name = _name_of_place(place)
+    name = place_name(place)
     outputs.add(name, None, _unit_in(place))
     value, rest = _walk(summary, place)
     if isinstance(value, dict) and "value" in value and not rest:
@@ -155,7 +155,7 @@ def _add_place(outputs: Outputs, summary: Mapping[str, Any], place: str) -> None
         outputs.add(name, value, _unit_in(place))
 
 
-def _name_of_place(place: str) -> str:
+def place_name(place: str) -> str:
     return "_".join("".join(c if c.isalnum() else "_" for c in part) for part in place.split("."))
 
 
@@ -180,11 +180,11 @@ def _unit_in(name: str) -> str:
     return units[max(units, key=len)] if units else ""
 
 
-def _assessment_name(key: str) -> str:
+def assessment_name(key: str) -> str:
     return "_".join(filter(None, ("assessment", key, QUANTITIES[key].shown.suffix)))
 
 
-def _margin_name(key: str) -> str:
+def margin_name(key: str) -> str:
     return f"assessment_{key}_margin"
 
 
@@ -192,7 +192,7 @@ def _add_assessment(outputs: Outputs, result: Result, wanted: tuple[str, ...]) -
     """The worst value of every quantity over all sections, and the least margin to its limit where it has one."""
     from wrsim.assessment.assess import assess_runs
 
-    columns = {key: _assessment_name(key) for key in wanted}
+    columns = {key: assessment_name(key) for key in wanted}
     for key, column in columns.items():
         outputs.add(column, None, QUANTITIES[key].shown.symbol)
     try:
@@ -212,7 +212,7 @@ def _add_assessment(outputs: Outputs, result: Result, wanted: tuple[str, ...]) -
         outputs.add(column, worst(v.value for v in values) * shown.factor, shown.symbol)
         margins = [v.margin for v in values if v.margin is not None]
         if margins:
-            outputs.add(_margin_name(key), min(margins), "1")
+            outputs.add(margin_name(key), min(margins), "1")
 
 
 def _add_hook(outputs: Outputs, result: Result, file: Path, function: str) -> None:

@@ -1,0 +1,175 @@
+"""The best candidate is where theory says, whatever stops the search; what fails and what limits is told."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.functions import search_file, work_of
+from support.rows import rows_of
+
+from wrsim.errors import InputError
+from wrsim.inputs.toml_files import read_bytes
+from wrsim.scenario.build import Setup, build
+from wrsim.scenario.loading import Scenario
+from wrsim.study.candidates import Work
+from wrsim.study.optimisation.outcome import history, limits, multipliers, neighbours, status_of
+from wrsim.study.optimisation.reading import read_optimisation
+from wrsim.study.optimisation.search import Search
+from wrsim.study.plan import Plan
+from wrsim.study.task import COMPLETED, DERAILED
+
+TWO_KEYS = """
+[[vary]]
+key = "static.lateral_mm"
+low = -1.5
+high = 1.5
+[[vary]]
+key = "static.yaw_mrad"
+low = -1.5
+high = 1.5
+"""
+ONE_KEY = TWO_KEYS[: TWO_KEYS.rindex("[[vary]]")]
+HOOK = 'hook = "hook.py:numbers"\noutput = '
+OBJECTIVE = f'[[objective]]\n{HOOK}"f"\naim = "minimise"\n'
+CONSTRAINT = f'[[constraint]]\n{HOOK}"g"\nat_most = 1\n'
+
+
+def rosenbrock(lateral_mm: float, yaw_mrad: float) -> dict[str, float]:
+    x, y = lateral_mm, yaw_mrad
+    return {"f": (1.0 - x) ** 2 + 100.0 * (y - x * x) ** 2, "g": x * x + y * y}
+
+
+@pytest.fixture(autouse=True)
+def poses_without_a_run(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Scenarios are built once, functions stand for them, and nothing waits for the disk."""
+    built = []
+
+    def build_once(scenario: Scenario) -> Setup:
+        built.append(built[0] if built else build(scenario))
+        for file in built[0].files:
+            read_bytes(file, "model file")
+        return built[0]
+
+    monkeypatch.setattr("wrsim.study.plan.build", build_once)
+    monkeypatch.setattr("wrsim.results.files.os.fsync", lambda handle: None)
+    monkeypatch.setattr("wrsim.study.optimisation.reading._probe", lambda candidates, scenario: None)
+    yield
+
+
+def searched(folder: Path, text: str, work: Work) -> Search:
+    file = search_file(folder, text)
+    search = Search(read_optimisation(file, folder / "out"), work)
+    search.run()
+    return search
+
+
+def test_rosenbrock_without_constraints_is_solved(tmp_path):
+    text = TWO_KEYS + OBJECTIVE + "[search]\nevaluations = 500\n"
+    search = searched(tmp_path, text, work_of(rosenbrock))
+    assert search.ends == ["converged"]
+    assert search.best().candidate.values == pytest.approx((1.0, 1.0), abs=5e-3)
+
+
+def test_a_constrained_optimum_is_found_with_its_multiplier(tmp_path):
+    """Least x^2 + y^2 / 2 with x + y >= 1: x = 1/3, y = 2/3, multiplier 2/3."""
+
+    def function(lateral_mm: float, yaw_mrad: float) -> dict[str, float]:
+        return {"f": lateral_mm**2 + 0.5 * yaw_mrad**2, "g": lateral_mm + yaw_mrad}
+
+    text = TWO_KEYS + OBJECTIVE + CONSTRAINT.replace("at_most", "at_least") + "[search]\nevaluations = 400\n"
+    search = searched(tmp_path, text + "tolerance = 1e-4\n", work_of(function))
+    best = search.best()
+    assert best.feasible
+    assert best.candidate.values == pytest.approx((1.0 / 3.0, 2.0 / 3.0), abs=2e-3)
+    ((name, multiplier),) = multipliers(search, neighbours(search))
+    assert name == "g at least 1"
+    assert multiplier == pytest.approx(2.0 / 3.0, rel=0.02)
+
+
+def test_one_key_is_solved_by_a_few_candidates_and_its_bound_limits(tmp_path):
+    """Least x + 2 / (x + 2); then a function whose least value is at a bound."""
+    search = searched(
+        tmp_path / "a", ONE_KEY + OBJECTIVE, work_of(lambda lateral_mm: {"f": 2.0 / (lateral_mm + 2.0) + lateral_mm})
+    )
+    assert search.best().candidate.values[0] == pytest.approx(2.0**0.5 - 2.0, abs=3e-3)
+    assert len(search.known) < 20
+    search = searched(tmp_path / "b", ONE_KEY + OBJECTIVE, work_of(lambda lateral_mm: {"f": -lateral_mm}))
+    assert search.best().candidate.values == (1.5,)
+    assert [line for line in limits(search, neighbours(search)) if "lateral_mm high = 1.5 (multiplier 3)" in line]
+
+
+def test_one_key_comes_to_its_constraint_and_past_candidates_that_fail(tmp_path):
+    """Least (x - 1.2)^2 with x^2 <= 1; what lies below -1 derails."""
+    text = ONE_KEY + OBJECTIVE + CONSTRAINT
+    function = work_of(
+        lambda lateral_mm: {"f": (lateral_mm - 1.2) ** 2, "g": lateral_mm**2},
+        lambda lateral_mm: DERAILED if lateral_mm < -1.0 else COMPLETED,
+    )
+    search = searched(tmp_path, text, function)
+    assert search.best().feasible
+    assert search.best().candidate.values[0] == pytest.approx(1.0, abs=4e-3)
+    assert {status_of(one) for one in search.known.values()} == {COMPLETED, DERAILED, "exceeds a constraint"}
+
+
+def test_a_search_that_was_killed_goes_on_to_the_same_bits(tmp_path):
+    """Whole numbers and choices among the keys, some candidates derail."""
+    text = (
+        TWO_KEYS
+        + (
+            '[[vary]]\nkey = "contact.strips"\nlow = 5\nhigh = 40\nwhole = true\nstart = 20\n'
+            '[[vary]]\nkey = "static.load_kN"\nchoices = [40, 60, 80]\n'
+        )
+        + OBJECTIVE
+        + "[search]\nevaluations = 60\nseed = 5\n"
+    )
+
+    def function(lateral_mm: float, yaw_mrad: float, strips: int, load_kN: int) -> dict[str, float]:
+        assert isinstance(strips, int) and load_kN in (40, 60, 80)
+        return {"f": rosenbrock(lateral_mm, yaw_mrad)["f"] + (strips - 11) ** 2 + abs(load_kN - 80)}
+
+    work = work_of(function, lambda lateral_mm, **rest: DERAILED if lateral_mm > 1.2 else COMPLETED)
+    whole = searched(tmp_path / "whole", text, work)
+    assert whole.best().candidate.values[3] == 80 and abs(whole.best().candidate.values[2] - 11) <= 2
+    left = [30]
+
+    class Killed(Exception):
+        pass
+
+    def killed(plan: Plan, todo: list[int]) -> None:
+        for i in todo:
+            left[0] -= 1
+            if left[0] < 0:
+                raise Killed
+            work(plan, [i])
+
+    with pytest.raises(Killed):
+        searched(tmp_path / "again", text, killed)
+    again = searched(tmp_path / "again", text, work)
+    assert list(again.known) == list(whole.known)
+    assert np.array_equal(history(again)["cost"].values, history(whole)["cost"].values, equal_nan=True)
+
+
+def test_the_front_of_two_objectives_is_the_curve_between_their_optima(tmp_path):
+    """Squares of the distances from two points: sqrt(f) + sqrt(g) is their distance all along the front."""
+
+    def function(lateral_mm: float, yaw_mrad: float) -> dict[str, float]:
+        x, y = lateral_mm, yaw_mrad
+        return {"f": (x - 1.0) ** 2 + y**2, "g": x**2 + (y - 1.0) ** 2}
+
+    objectives = OBJECTIVE + OBJECTIVE.replace('"f"', '"g"')
+    text = TWO_KEYS + objectives + "[search]\nfront = 5\nevaluations = 500\n"
+    search = searched(tmp_path, text, work_of(function))
+    front = search.front()
+    costs = np.array([one.costs for one in front])
+    assert len(front) >= 5 and (np.diff(costs[:, 0]) > 0.0).all() and (np.diff(costs[:, 1]) < 0.0).all()
+    detour = np.sqrt(costs).sum(axis=1) / 2.0**0.5 - 1.0
+    assert detour.min() > -1e-12 and np.median(detour) < 0.01 and detour.max() < 0.1  # between two ceilings
+    assert costs[:, 0].min() < 1e-3 and costs[:, 1].min() < 1e-3
+
+
+@pytest.mark.parametrize(("text", "message"), rows_of(__file__)("faults_of_the_file"))
+def test_a_fault_of_the_file_is_one_error(tmp_path, text, message):
+    with pytest.raises(InputError, match=message) as error:
+        read_optimisation(search_file(tmp_path, text), tmp_path / "out")
+    assert "\n" not in str(error.value)

@@ -1,0 +1,97 @@
+"""Pictures of an optimisation: how the costs fell, where the keys went, the Pareto front."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from wrsim.plots.marks import panels
+from wrsim.plots.study import COMPLETED, axis_label
+from wrsim.plots.theme import INK, SERIES_COLOURS, STOP_COLOUR
+
+DOT: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.6, "markeredgewidth": 0.0}
+HEIGHT, MOST_KEYS = 40.0, 6
+"""Height of a panel [mm]; keys that are drawn."""
+
+
+def optimisation_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Makers of the pictures of a history of candidates, by name."""
+    makers: dict[str, Callable[[], Figure]] = {"history": partial(history_figure, dataset)}
+    if "cost_2" in dataset:
+        makers["front"] = partial(front_figure, dataset)
+    return makers
+
+
+def history_figure(dataset: xr.Dataset) -> Figure:
+    """Every cost and every varied key over the candidates; the line is the best one so far."""
+    costs = [str(name) for name in dataset.data_vars if "sign" in dataset[name].attrs]
+    keys = [str(name) for name, c in dataset.coords.items() if "key" in c.attrs and c.dtype.kind == "f"][:MOST_KEYS]
+    kept = (dataset["status"] == COMPLETED).values
+
+    def draw(axes: Axes, name: str) -> None:
+        number, values = dataset["evaluation"].values, _shown(dataset, name)
+        axes.plot(number[~kept], values[~kept], color=STOP_COLOUR, **DOT)
+        axes.plot(number[kept], values[kept], color=SERIES_COLOURS[0], **DOT)
+        if name in costs:
+            best = np.fmin.accumulate(np.where(kept, dataset[name].values, np.nan))
+            axes.plot(number, best * dataset[name].attrs["sign"], color=INK, linewidth=0.8, drawstyle="steps-post")
+            if kept.any():  # what fails may be orders of magnitude away
+                _limit(axes, values[kept])
+        axes.set_ylabel(_label(dataset, name))
+        axes.set_xlabel("candidate")
+
+    draws = [partial(draw, name=name) for name in (*costs, *keys)]
+    return panels(dataset.attrs["title"], draws, HEIGHT * len(draws), legend=_legend("best so far"))
+
+
+def front_figure(dataset: xr.Dataset) -> Figure:
+    """All candidates over both costs, and the front."""
+    x, y = (_shown(dataset, name) for name in ("cost_1", "cost_2"))
+    costs = dataset["cost_1"].values, dataset["cost_2"].values
+    kept = (dataset["status"] == COMPLETED).values
+    order = [i for i in np.lexsort((costs[1], costs[0])) if kept[i]]
+    front = [i for k, i in enumerate(order) if not k or costs[1][i] < costs[1][order[:k]].min()]
+
+    def draw(axes: Axes) -> None:
+        axes.plot(x[~kept], y[~kept], color=STOP_COLOUR, **DOT)
+        axes.plot(x[kept], y[kept], color=SERIES_COLOURS[0], **DOT)
+        axes.plot(x[front], y[front], color=INK, linewidth=0.8, marker="o", markersize=3.0)
+        axes.set(xlabel=_label(dataset, "cost_1"), ylabel=_label(dataset, "cost_2"))
+        if kept.any():
+            _limit(axes, y[kept])
+            axes.set_xlim(_margin(x[kept]))
+
+    return panels(dataset.attrs["title"], [draw], 90.0, legend=_legend("Pareto front"))
+
+
+def _shown(dataset: xr.Dataset, name: str) -> NDArray[np.float64]:
+    return np.asarray(dataset[name].values * dataset[name].attrs.get("sign", 1.0))
+
+
+def _label(dataset: xr.Dataset, name: str) -> str:
+    words = dataset[name].attrs.get("long_name")
+    return str(words) if words else axis_label(dataset, name)
+
+
+def _limit(axes: Axes, values: NDArray[np.float64]) -> None:
+    axes.set_ylim(_margin(values))
+
+
+def _margin(values: NDArray[np.float64]) -> tuple[float, float]:
+    low, high = np.nanmin(values), np.nanpercentile(values, 95)
+    room = 0.08 * (high - low) or 0.05 * abs(low) or 1.0
+    return float(low - room), float(high + room)
+
+
+def _legend(line: str) -> list[Line2D]:
+    dots = {"keeps all constraints": SERIES_COLOURS[0], "exceeds one, or has no result": STOP_COLOUR}
+    return [
+        *(Line2D([], [], color=colour, label=words, **DOT) for words, colour in dots.items()),
+        Line2D([], [], color=INK, linewidth=0.8, label=line),
+    ]

@@ -1,0 +1,74 @@
+"""Files with values that a search has found: a scenario over the one it started from, the vehicle's file as a whole."""
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from wrsim.errors import InputError
+from wrsim.inputs.changes import full_path
+from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.inputs.toml_files import write_toml
+from wrsim.results import write_atomically
+from wrsim.scenario.loading import Scenario, own_path
+from wrsim.scenario.merging import value_at
+from wrsim.scenario.vehicle_build import vehicle_tables
+
+
+def write_scenario(
+    file: Path, base: Scenario, changes: Mapping[str, Any], title: str, remarks: Sequence[str] = ()
+) -> Path:
+    """A scenario that starts from the file of ``base`` and has its changed keys; remarks: comments at its head.
+
+    A list of which an entry is changed is written as a whole: lists of a base are replaced."""
+    scenario = base.with_values(dict(changes))
+    tables: dict[str, Any] = {"title": title}
+    if base.path is not None:
+        tables["base"] = _seen_from(file, base.path)
+    for key in changes:
+        path = full_path(scenario.merged.data, own_path(key), by_name=False)
+        path = path[: next((i for i, part in enumerate(path) if isinstance(part, int)), len(path))]
+        inner = tables
+        for part in path[:-1]:
+            inner = inner.setdefault(str(part), {})
+        inner[str(path[-1])] = value_at(scenario.merged.data, path)
+    return _written(file, tables, remarks)
+
+
+def write_vehicle(file: Path, scenario: Scenario, remarks: Sequence[str] = ()) -> Path:
+    """The vehicle's file with all that the scenario changes in it; names of files beside it lead there."""
+    model = scenario.find(("vehicle", "model"), scenario.spec.vehicle.model)
+    return _written(file, _moved(vehicle_tables(scenario), file, scenario.finder.beside(model)), remarks)
+
+
+def changes_vehicle(changes: Mapping[str, Any]) -> bool:
+    """Whether some of the keys are of the vehicle's file."""
+    return any(own_path(key)[:2] == ("vehicle", "changes") for key in changes)
+
+
+def _moved(value: Any, file: Path, finder: Finder) -> Any:
+    """Tables whose names of files are seen from another place; models that come with wrsim keep their names."""
+    if isinstance(value, dict):
+        return {key: _moved(inner, file, finder) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_moved(inner, file, finder) for inner in value]
+    if not isinstance(value, str) or not Path(value).suffix:
+        return value
+    try:
+        named = finder.find(value)
+    except InputError:
+        return value
+    return value if named.resolve().is_relative_to(shipped_models().resolve()) else _seen_from(file, named)
+
+
+def _seen_from(file: Path, named: Path) -> str:
+    """The name of a file as another one in its folder has it; a whole path on another drive."""
+    try:
+        return Path(os.path.relpath(named.resolve(), file.parent.resolve())).as_posix()
+    except ValueError:
+        return named.resolve().as_posix()
+
+
+def _written(file: Path, tables: dict[str, Any], remarks: Sequence[str]) -> Path:
+    comments = "".join(f"# {line}\n" for remark in remarks for line in remark.splitlines())
+    return write_atomically(file, f"{comments}{write_toml(tables)}".encode())
