@@ -1,23 +1,33 @@
 """The best candidate is where theory says, whatever stops the search; what fails and what limits is told."""
 
+import json
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
+from support.commands import ok
 from support.functions import search_file, work_of
 from support.rows import rows_of
+from support.runs import SCENARIOS
 
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import Scenario
+from wrsim.scenario.loading import Scenario, load
+from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.study.candidates import Work
+from wrsim.study.changed_files import changes_vehicle, write_scenario, write_vehicle
+from wrsim.study.collect import read_study
 from wrsim.study.optimisation.outcome import history, limits, multipliers, neighbours, status_of
 from wrsim.study.optimisation.reading import read_optimisation
 from wrsim.study.optimisation.search import Search
 from wrsim.study.plan import Plan
 from wrsim.study.task import COMPLETED, DERAILED
+from wrsim.vehicle.vehicle_files import load_vehicle
+
+MODELS = SCENARIOS.parent / "models"
 
 TWO_KEYS = """
 [[vary]]
@@ -173,3 +183,45 @@ def test_a_fault_of_the_file_is_one_error(tmp_path, text, message):
     with pytest.raises(InputError, match=message) as error:
         read_optimisation(search_file(tmp_path, text), tmp_path / "out")
     assert "\n" not in str(error.value)
+
+
+def test_a_command_writes_history_page_and_files_of_the_best_candidate(tmp_path, monkeypatch, unpainted):
+    @contextmanager
+    def pool(*arguments: object, **options: object) -> Iterator[Work]:
+        yield work_of(rosenbrock)
+
+    monkeypatch.setattr("wrsim.study.engine.worker_pool", pool)
+    file = search_file(tmp_path, TWO_KEYS + OBJECTIVE + CONSTRAINT + "[search]\nevaluations = 30\n")
+    text = ok("optimise", file, "-o", tmp_path / "out", "--no-pictures").output
+    assert "candidates (" in text and "evaluations used up" in text
+    report = json.loads((tmp_path / "out" / "optimisation.json").read_text())
+    best = load(tmp_path / "out" / "best.toml")
+    assert best.merged.data["static"]["yaw_mrad"] == report["best"]["values"]["static.yaw_mrad"]
+    assert best.merged.data["static"]["load_kN"] == 60
+    rows = (tmp_path / "out" / "history.csv").read_text().splitlines()
+    assert len(rows) == 1 + report["evaluations"] and rows[0].startswith("evaluation,cost,f,g")
+    assert "<h2" in (tmp_path / "out" / "optimisation.html").read_text()
+    assert read_study(tmp_path / "out")["cost"].sizes == {"evaluation": report["evaluations"]}
+    assert "at most 34 candidates, 34 cases" in ok("optimise", file, "-o", tmp_path / "out", "--dry-run").output
+
+
+def test_files_of_changed_values_read_back_as_the_scenario_that_was_changed(tmp_path):
+    """Keys of the vehicle by name, an entry of a list of the scenario, and names of files beside the vehicle's file."""
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "own.toml").write_text((MODELS / "wheels" / "S1002.toml").read_text())
+    vehicle = (MODELS / "vehicles" / "manchester_1.toml").read_text().replace("wheels/S1002.toml", "own.toml")
+    (tmp_path / "models" / "coach.toml").write_text(vehicle)
+    (tmp_path / "run.toml").write_text(
+        f'base = "{SCENARIOS / "manchester_r300.toml"}"\n[vehicle]\nmodel = "models/coach.toml"\n'
+    )
+    base = load(tmp_path / "run.toml")
+    changes = {"vehicle.bogie.primary.stiffness_kN_per_m.2": 1500.5, "track.segments[2].radius_m": 310.0}
+    wanted = base.with_values(changes)
+    file = write_scenario(tmp_path / "out" / "best.toml", base, changes, "Best", ["found by hand"])
+    read = load(file)
+    assert file.read_text().startswith("# found by hand\n")
+    assert read.merged.data | {"title": ""} == wanted.merged.data | {"title": ""}
+    assert changes_vehicle(changes)
+    written = write_vehicle(tmp_path / "out" / "vehicle.toml", wanted)
+    assert load_vehicle(written).elements == vehicle_of(wanted).elements
+    assert '"../models/own.toml"' in written.read_text()

@@ -19,6 +19,7 @@ from distributed.protocol import dumps
 from distributed.protocol.pickle import dumps as pickled
 from distributed.protocol.utils import pack_frames
 from distributed.security import Security
+from support import synthetic_run
 from support.commands import ok, refusal
 from support.rows import rows_of
 from support.studies import AXES, study_file
@@ -103,6 +104,18 @@ def test_of_several_wheels_the_worst_counts() -> None:
     values = np.array([[1.0, -5.0], [2.0, 3.0]])
     assert [reduced(values, how) for how in ("peak", "max", "min")] == [-5.0, 3.0, -5.0]
     assert reduced(values, "percentile", 50.0) == 1.5
+
+
+def test_a_low_pass_of_a_channel_keeps_slow_waves_and_takes_fast_ones() -> None:
+    """Waves of 2 and 50 Hz at 20 m/s; at its cut-off of 10 Hz the filter has 1/sqrt 2, at 2 Hz all but 0.04 %."""
+    waves = {"y": lambda s: (1e3 * np.sin(0.2 * np.pi * s), 2e3 * np.sin(5.0 * np.pi * s))}
+    wanted = {"channel": "Y", "reduce": "rms", "from_m": 100.0, "to_m": 500.0, "low_pass_Hz": 10.0}
+    sides = tuple(ChannelOutput(wheel=side, **wanted) for side in ("left", "right"))
+    outputs = case_outputs(synthetic_run.run(**waves), OutputsSection(channels=sides), None)
+    assert list(outputs.numbers.values()) == [pytest.approx(0.5**0.5, rel=1e-3), pytest.approx(0.0, abs=5e-3)]
+    assert "more than 2.22e+05 samples" in case_outputs(
+        synthetic_run.run(), OutputsSection(channels=(sides[0].model_copy(update={"low_pass_Hz": 1e5}),)), None
+    ).faults[0]  # fmt: skip
 
 
 def test_a_window_beyond_the_end_of_a_case_is_told_and_a_derailed_case_stays_derailed(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @documented
-def run_optimisation(
+def optimise(
     file: Annotated[str | Path, Argument("Optimisation file (TOML).", "FILE")],
     output: options.Output = None,
     *,
@@ -43,7 +43,14 @@ def run_optimisation(
     from wrsim.report.study import verdict_page
     from wrsim.results import write_atomically
     from wrsim.study.optimisation import files as written
-    from wrsim.study.optimisation.outcome import history, neighbours, optimisation_report, optimisation_tables
+    from wrsim.study.optimisation.outcome import (
+        NOTES,
+        history,
+        neighbours,
+        optimisation_report,
+        optimisation_tables,
+        verdict_words,
+    )  # fmt: skip
     from wrsim.study.optimisation.reading import read_optimisation
     from wrsim.study.optimisation.search import Search, cma_package
     from wrsim.system import processors
@@ -66,11 +73,10 @@ def run_optimisation(
         files = written.write_optimisation(search, dataset, report, computation.directory)
         tables, makers = optimisation_tables(report), optimisation_figures(dataset)
         found = search.best().feasible
-        sentence = f"{report['evaluations']} candidates: " + ("; ".join(report["limits"]) or "a Pareto front")
-        texts = {"Optimisation": candidates.given.text} | {
-            f"Scenario {s.name}": s.base.text for s in candidates.scenarios
-        }
-        page = verdict_page(candidates.title, optimisation.summary, tables, [], sentence, found, texts, makers)
+        texts = {f"Scenario {each.name}": each.base.text for each in candidates.scenarios}
+        texts = {"Optimisation": candidates.given.text} | texts
+        sentence = verdict_words(report)
+        page = verdict_page(candidates.title, optimisation.summary, tables, NOTES, sentence, found, texts, makers)
         files.append(write_atomically(computation.directory / written.PAGE, page.encode()))
         files += save_all(makers, computation.directory) if pictures else []
     code = 0 if found else STOPPED

@@ -112,7 +112,7 @@ PANELS: dict[str, dict[str, Any]] = {
         "study": command(studies.run_study, show=_show_study, draws=DRAWS),
         "type-test": command(studies.run_type_test),
         "wear": command(studies.run_wear, draws=DRAWS),
-        "optimise": command(decisions.run_optimisation, draws=DRAWS),
+        "optimise": command(decisions.optimise, draws=DRAWS),
         "compare": command(runs.compare, draws=DRAWS, reads="scenario"),
         "resolve": command(runs.resolve, draws=DRAWS),
     },

@@ -84,7 +84,7 @@ def _limit(axes: Axes, values: NDArray[np.float64]) -> None:
 
 
 def _margin(values: NDArray[np.float64]) -> tuple[float, float]:
-    low, high = np.nanmin(values), np.nanpercentile(values, 95)
+    low, high = np.nanmin(values), np.nanpercentile(values, 80)
     room = 0.08 * (high - low) or 0.05 * abs(low) or 1.0
     return float(low - room), float(high + room)
 

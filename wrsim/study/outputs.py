@@ -18,6 +18,7 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
+from wrsim.results.filters import LEAST_SAMPLES, low_pass, on_raster, sampling_rate
 from wrsim.results.table import formatted
 from wrsim.study.spec import REDUCTIONS, ChannelOutput, OutputsSection
 
@@ -106,11 +107,19 @@ def _add_channel(outputs: Outputs, result: Result, one: ChannelOutput) -> None:
     except InputError as error:
         outputs.faults.append(f"{what}: {error}")
         return
-    if one.from_m is not None or one.to_m is not None:
-        if data.dims[0] != "time":
-            outputs.faults.append(f"{what}: from_m and to_m are for channels over time")
+    windowed = one.from_m is not None or one.to_m is not None
+    if (windowed or one.low_pass_Hz) and data.dims[0] != "time":
+        outputs.faults.append(f"{what}: from_m, to_m and low_pass_Hz are for channels over time")
+        return
+    if one.low_pass_Hz is not None:
+        try:
+            data = on_raster(data.to_dataset())[one.channel]
+            data = data.copy(data=low_pass(data.values, sampling_rate(data["time"].values), one.low_pass_Hz))
+        except InputError as error:
+            (outputs.faults if data.sizes["time"] >= LEAST_SAMPLES else outputs.absent).append(f"{what}: {error}")
             return
-        place = result.dataset["distance"].values
+    if windowed:
+        place = result.dataset["distance"].values[: data.sizes["time"]]
         low = -np.inf if one.from_m is None else one.from_m
         high = np.inf if one.to_m is None else one.to_m
         inside = np.flatnonzero((place >= low) & (place <= high))

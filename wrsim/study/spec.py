@@ -212,6 +212,8 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
     """Where the part of the way begins that counts."""
     to_m: Annotated[float, number(0, 1e6, "m along the centre line")] | None = None
     """Where the part of the way ends that counts."""
+    low_pass_Hz: Annotated[float, positive(1e5, "Hz")] | None = None
+    """Cut-off of a low-pass of the whole run before it is reduced (-3 dB, 24 dB an octave, without a shift)."""
     name: Name | None = None
     """Name of the column; made of channel, labels, reduction and unit unless given."""
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from wrsim.results.dataset import versions
-from wrsim.results.table import Column, Table, finite
+from wrsim.results.table import Column, Table, finite, formatted
 from wrsim.study.collect import FORMAT, labels_of
 from wrsim.study.optimisation.reading import Judged, Optimisation
 from wrsim.study.optimisation.search import LEAST, Search
@@ -25,6 +25,12 @@ ROUNDS = 3
 """How often a neighbour that is better takes the place of the best candidate."""
 MOST_SHOWN = 20
 """Points of a front in a table."""
+NOTES = (
+    "A candidate that keeps all constraints is better than one that does not; of two that do not, the one that exceeds "
+    "them less, as parts of the limits (Deb 2000); one without a result is behind all others.",
+    "Multiplier: how much the cost changes for each part by which a limit is widened, or for each part of the distance "
+    "between the bounds by which a bound is moved.",
+)
 OUTSIDE, LACKING = "exceeds a constraint", "lacks an output"
 """Further statuses of a candidate."""
 
@@ -84,7 +90,7 @@ def limits(search: Search, beside: Sequence[Neighbour]) -> list[str]:
         elif not n.judged.complete:
             lines.append(f"{way}: {status_of(n.judged)}")
     lines += [f"{name} (multiplier {multiplier:.3g})" for name, multiplier in multipliers(search, beside)]
-    return lines or ["nothing: the best candidate is inside of all bounds and constraints"]
+    return lines or ["no bound and no constraint"]
 
 
 def multipliers(search: Search, beside: Sequence[Neighbour]) -> list[tuple[str, float]]:
@@ -212,6 +218,18 @@ def history(search: Search) -> xr.Dataset:
         "vehicle": first.spec.vehicle.model,
     }
     return xr.Dataset(variables, coords, attributes | versions())
+
+
+def verdict_words(report: dict[str, Any]) -> str:
+    """How far it came, in one sentence."""
+    if "front" in report:
+        return f"A Pareto front of {len(report['front'])} of {report['evaluations']} candidates"
+    best, held = report["best"]["cost"], "; ".join(report["limits"])
+    ends = [
+        f"{name} {formatted(cost, '.6g')} -> {formatted(best[name], '.6g')}"
+        for name, cost in report["start"]["cost"].items()
+    ]
+    return f"{', '.join(ends)}: {report['evaluations']} candidates, {'; '.join(report['end'])}; held by: {held}"
 
 
 def optimisation_tables(report: dict[str, Any]) -> dict[str, Table]:
