@@ -49,7 +49,7 @@ class VariedKey(Section, header="[[vary]]"):
     """Lower bound."""
     high: Annotated[float, number()] | None = None
     """Upper bound."""
-    start: Annotated[Any, Field(description="a value of that key")] = None
+    start: Annotated[float | str | bool, Field(description="a value of that key")] | None = None
     """Value at the start; that of the first scenario unless given."""
     spacing: Literal["linear", "log"] = "linear"
     """Whether steps are even in the value, or in its logarithm."""
