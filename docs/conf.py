@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
 import matplotlib
+from sphinx.application import Sphinx
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
@@ -31,6 +33,7 @@ nitpick_ignore_regex = [
     ("py:.*", r"(numpy|xarray|matplotlib|pandas|pathlib)\..*"),  # types of other libraries: no inventory is fetched
     ("py:.*", r"(array_like|callable|mapping|ndarray|path|(a )?sequence|these|Path)"),
     ("py:.*", r"[A-Z]\w+"),  # of wrsim, not among its public names
+    ("py:class", r".*[\[\]|].*"),  # pieces of unions and of types with parameters
 ]
 
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
@@ -49,6 +52,23 @@ html_title = f"wrsim {release}"
 html_copy_source = False
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_extra_path = ["../build/pages"]  # live pages, which the gallery makes
+(HERE.parent / "build" / "pages").mkdir(parents=True, exist_ok=True)
+
+LIVE = {"index": "live/contact.html", "user/live": "../live/contact.html"}
+"""Pages whose link to a live page leads in the tree to the manual or to what makes it, on the site to it."""
+
+
+def lead_to_live_page(app: Sphinx, name: str, source: list[str]) -> None:
+    """Change the first link of a page of LIVE."""
+    if name in LIVE:
+        source[0], count = re.subn(r"\[(.+?)\]\(\S+\)", rf'<a href="{LIVE[name]}">\1</a>', source[0], count=1)
+        assert count == 1
+
+
+def setup(app: Sphinx) -> None:
+    """Called by Sphinx."""
+    app.connect("source-read", lead_to_live_page)
 
 
 sphinx_gallery_conf = {

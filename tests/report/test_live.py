@@ -149,9 +149,11 @@ def test_both_models_have_the_four_cases_of_the_paper(page: Browser) -> None:
 
 def test_a_second_patch_appears_at_5_mm_and_turns_by_40_degrees_at_6_6(page: Browser) -> None:
     """The manual says so."""
-    told = [show(page, shift=shift) for shift in (4.5e-3, 5.2e-3, 6.2e-3, 6.6e-3)]
-    assert [numbers[0]["patches"] for numbers in told] == [1, 2, 1, 1]
-    assert told[3][0]["range"] > 40.0 and told[2][0]["range"] < 12.0
+    told = {shift: show(page, shift=1e-3 * shift)[0] for shift in (4.8, 4.9, 5.0, 5.6, 5.7, 6.0, 6.6, 7.0)}
+    assert [numbers["patches"] for numbers in told.values()] == [1, 2, 2, 2, 1, 1, 1, 1]
+    assert told[6.0]["range"] == pytest.approx(10, abs=0.5) and told[6.6]["range"] == pytest.approx(41, abs=0.5)
+    assert told[6.0]["p0"] == pytest.approx(2550, abs=5) and told[6.6]["p0"] == pytest.approx(1360, abs=6)
+    assert told[7.0]["p0"] > 4000.0
 
 
 def test_all_slides_under_large_creepage_and_nothing_without(page: Browser) -> None:

@@ -156,10 +156,13 @@ class Patches {
       const edges = tiles[i], s = [edges[0], ...strips.map((t) => t.at), edges[1]];
       line(g, s.map((v, k) => [X(v, i), P(strips[k - 1]?.p ?? 0)]), look.ink, 1.6);
       line(g, strips.map((t) => [X(t.at, i), A(angleOf(t))]), look.Y, 1.6);
+      const rim = (side) => strips.map((t) => [X(t.at, i), Y(t.x + side * t.a)]);
+      g.save();
+      line(g, [[X(edges[0], i), Y(strips[0].x)], ...rim(1), [X(edges[1], i), Y(strips.at(-1).x)], ...rim(-1).reverse(), [X(edges[0], i), Y(strips[0].x)]], look.ink, 2);
+      g.clip(); // half of the rim lies outside of it
       for (const strip of strips) this.strip(g, strip, X(strip.at, i), Y);
       if (count) this.sliding(g, strips, (at) => X(at, i), Y, cells, count);
-      const rim = (side) => strips.map((t) => [X(t.at, i), Y(t.x + side * t.a)]);
-      line(g, [[X(edges[0], i), Y(strips[0].x)], ...rim(1), [X(edges[1], i), Y(strips.at(-1).x)], ...rim(-1).reverse(), [X(edges[0], i), Y(strips[0].x)]], look.ink, 1);
+      g.restore();
     });
     const bar = [10, 5, 2, 1, 0.5].find((b) => b * this.zoom < 0.3 * width) ?? 0.5;
     g.textAlign = "left";

@@ -139,14 +139,14 @@ class LiveVehicle extends VehiclePage {
     }
   }
 
-  take({ frame, samples, cost, begun, restarted, ended, moved }) {
+  take({ frame, samples, cost, memory, begun, restarted, ended, moved }) {
     const { data } = this;
     if (restarted !== undefined) {
       Object.assign(this, { count: 0, every: 1, skipped: 0 });
       this.tell(restarted && `Again from the start, after ${restarted}.`);
     }
     this.keep(samples);
-    Object.assign(this, { frame, cost });
+    Object.assign(this, { frame, cost, memory });
     if (ended) {
       this.play(false);
       this.tell(`The run has ended at ${frame.time.toFixed(3)} s: ${ended}. Start again with other values, or make the page with a shorter step: wrsim live --step-ms ${500 * data.places.step}`);

@@ -111,7 +111,7 @@ let unit, end, playing = false, rate = 1, wheel = 0, due = 0, before = 0, shown 
 
 function send(more = {}) {
   const frame = unit.frame(wheel);
-  postMessage({ frame, samples, cost: spent ? busy / spent : 0, ...more });
+  postMessage({ frame, samples, cost: spent ? busy / spent : 0, memory: unit.exports.memory.buffer.byteLength, ...more });
   samples = [];
 }
 
