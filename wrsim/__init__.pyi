@@ -13,6 +13,7 @@ from wrsim.api.data import new_file as new_file
 from wrsim.api.data import read_recording as read_recording
 from wrsim.api.data import write_unit as write_unit
 from wrsim.api.decisions import optimise as optimise
+from wrsim.api.measurements import calibrate as calibrate
 from wrsim.api.measurements import validate as validate
 from wrsim.api.outcome import Outcome as Outcome
 from wrsim.api.pages import draw_track as draw_track

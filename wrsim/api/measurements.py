@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Unpack
+from typing import TYPE_CHECKING, Annotated, Unpack
 
 from wrsim.api import options
-from wrsim.api.options import Argument, Computing, documented
+from wrsim.api.options import Argument, Computing, Option, documented
 from wrsim.api.outcome import Outcome
 from wrsim.api.studies import Retry, _Computation
+from wrsim.errors import STOPPED
 from wrsim.timing import timed
+
+if TYPE_CHECKING:
+    from wrsim.study.calibration.reading import Calibration
 
 
 @documented
@@ -75,3 +79,94 @@ def validate(
     code = 0 if passed else 4
     end = Table("", notes=(*(f"note: {note}" for note in notes), words))
     return Outcome([*tables, end], numbers | {"exit_code": code}, files, rows, code, computation.directory)
+
+
+@documented
+def calibrate(
+    file: Annotated[str | Path, Argument("Calibration file (TOML).", "FILE")],
+    output: options.Output = None,
+    *,
+    dry_run: Annotated[bool, Option("Tell candidates and estimated time; run nothing.")] = False,
+    pictures: options.Pictures = True,
+    **computing: Unpack[Computing],
+) -> Outcome:
+    """Calibration: values of keys with which a model is nearest to measured series, with intervals; resumes.
+
+    Returns
+    -------
+    Outcome
+        ``["keys"]``, ``["series"]``, ``["notes"]``; ``value`` has the fit; ``code`` 3 where it did not converge.
+
+    Raises
+    ------
+    InputError
+        With all faults of the file, its start and the measured files, before anything runs.
+    SimulationError
+        Where the start, or all candidates beside a point, have no result.
+    """
+    from wrsim.plots.drawing import save_all
+    from wrsim.report.study import verdict_page
+    from wrsim.results.table import Table
+    from wrsim.study.calibration import outcome
+    from wrsim.study.calibration.fit import Fit
+    from wrsim.study.calibration.intervals import knowledge
+    from wrsim.study.calibration.reading import read_calibration
+
+    computation = _Computation(file, output, **computing)
+    with timed("check of the calibration"):
+        calibration = read_calibration(Path(file), computation.directory, computation.models)
+    candidates = calibration.candidates
+    if dry_run:
+        return _cost(computation, calibration)
+    names = [each.name for each in candidates.scenarios]
+    with computation.locked(calibration.reads, outcome.written_names(names)):
+        with timed("candidates"), computation.pool(most=2 * len(candidates.varied)) as work:
+            fit = Fit(calibration, work, computation.notify)
+            fit.begin()
+            fit.run()
+            calibrated = outcome.Calibrated.of(fit, knowledge(fit))
+        numbers, notes, makers = calibrated.numbers(), calibrated.notes(), calibrated.figures()
+        tables = [calibrated.keys_table(), calibrated.targets_table()]
+        texts = {"Calibration": calibration.given.text} | {
+            f"Scenario {s.name}": s.base.text for s in candidates.scenarios
+        }
+        files = ", ".join(record.file.name for record in calibration.records.values())
+        summary = f"{candidates.title}. Fitted in {', '.join(names)} to {files or 'measured numbers'}."
+        page = verdict_page(
+            candidates.title, summary, {t.title: t for t in tables}, notes, calibrated.words, fit.converged, texts,
+            makers if pictures else {},
+        )  # fmt: skip
+        written = calibrated.write(computation.directory, page)
+        written += save_all(makers, computation.directory) if pictures else []
+    code = 0 if fit.converged else STOPPED
+    end = Table("", notes=(*(f"note: {note}" for note in notes), calibrated.words))
+    return Outcome([*tables, end], numbers | {"exit_code": code}, written, calibrated, code, computation.directory)
+
+
+def _cost(computation: _Computation, calibration: Calibration) -> Outcome:
+    """Candidates and the time that they will take."""
+    from wrsim.analysis import between
+    from wrsim.analysis.run_times import SPREAD
+    from wrsim.results.table import Column, Table
+    from wrsim.study.collect import markers_of
+    from wrsim.study.engine import missing
+    from wrsim.study.estimate import START, time_of_cases
+    from wrsim.system import processors
+
+    candidates, rows, total = calibration.candidates, [], 0.0
+    steps = 4 + len(candidates.varied)
+    count = steps * (1 + len(candidates.varied)) + 2 * len(candidates.varied)
+    at_once = min(computation.workers or processors(), len(candidates.varied))
+    for scenario in candidates.scenarios:
+        plan, _ = candidates.plan(scenario, [candidates.values(candidates.start)])
+        each, source = time_of_cases(plan, missing(plan), markers_of(plan))
+        rows.append((scenario.name, scenario.base.title, each, source))
+        total += each * (steps + (count - steps) / at_once)
+    total += START
+    heads = (Column("scenario"), Column("title"), Column("one case", "s", ".3g"), Column("from"))
+    notes = (
+        f"about {count} candidates for {len(candidates.varied)} keys, of which {steps} run alone",
+        f"all of it takes about {between([total / SPREAD, total * SPREAD])}; what is known already does not run again",
+    )
+    numbers = {"candidates": count, "of_all_s": total, "of_one_case_s": {row[0]: row[2] for row in rows}}
+    return Outcome([Table(candidates.title, heads, rows, notes)], numbers, value=calibration)

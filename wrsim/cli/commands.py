@@ -113,6 +113,7 @@ PANELS: dict[str, dict[str, Any]] = {
         "type-test": command(studies.run_type_test),
         "wear": command(studies.run_wear, draws=DRAWS),
         "optimise": command(decisions.optimise, draws=DRAWS),
+        "calibrate": command(measurements.calibrate, draws=DRAWS),
         "compare": command(runs.compare, draws=DRAWS, reads="scenario"),
         "resolve": command(runs.resolve, draws=DRAWS),
     },

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wrsim.plots.marks import panels
-from wrsim.plots.theme import INK, QUIET, SERIES_COLOURS
+from wrsim.plots.theme import FAINT, INK, QUIET, SERIES_COLOURS, STOP_COLOUR
 from wrsim.results.moments import Array
 
 Lines = Mapping[str, tuple[Array, Array]]
@@ -70,3 +70,26 @@ def scatter_figure(title: str, shown: Mapping[str, tuple[Array, Array]], groups:
     draws: list[Callable[[Axes], object]] = [partial(draw, label=label) for label in list(shown)[:MOST_PANELS]]
     rows = -(-len(draws) // 3)
     return panels(title, draws, 24.0 + 52.0 * rows, columns=3, share=False, legend=legend)
+
+
+Bar = tuple[tuple[float, float], tuple[float, float], float, bool]
+"""Interval before, interval after, value, whether it is told."""
+
+
+def intervals_figure(title: str, bars: Mapping[str, Bar]) -> Figure:
+    """What was known of every key before (grey) and after, over the middle of what was known before."""
+
+    def draw(axes: Axes) -> None:
+        for row, (before, after, value, told) in enumerate(bars.values()):
+            middle, half = 0.5 * sum(before), 0.5 * (before[1] - before[0])
+            axes.plot([-1.0, 1.0], [row, row], color=FAINT, linewidth=7.0, solid_capstyle="butt")
+            colour = SERIES_COLOURS[0] if told else STOP_COLOUR
+            axes.plot([(end - middle) / half for end in after], [row, row], color=colour, linewidth=2.0)
+            axes.plot((value - middle) / half, row, "o", color=colour, markersize=4.0)
+        axes.set_yticks(range(len(bars)), list(bars))
+        axes.invert_yaxis()
+        axes.set(xlabel="-1 to 1: tolerance of the data sheet, or bounds")
+
+    looks = (("before", FAINT), ("calibrated", SERIES_COLOURS[0]), ("not told by the channels", STOP_COLOUR))
+    legend = [Line2D([], [], color=colour, label=name, linewidth=3.0) for name, colour in looks]
+    return panels(title, [draw], 32.0 + 7.0 * len(bars), legend=legend)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from math import exp, log
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import xarray as xr
 from pydantic import Field
@@ -40,7 +40,7 @@ class VariedKey(Section, header="[[vary]]"):
     """A key of the scenarios that is varied between bounds, or among choices."""
 
     one_of = ("low choices",)
-    together = ("low high",)
+    together: ClassVar[tuple[str, ...]] = ("low high",)
     above = {"high": "low"}
 
     key: Keys

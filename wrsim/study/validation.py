@@ -25,10 +25,20 @@ from wrsim.plots.drawing import Makers
 from wrsim.plots.measurement import Panel, lines_figure, scatter_figure
 from wrsim.results import CHANNELS, Result, write_atomically
 from wrsim.results.files import as_csv, as_json
-from wrsim.results.moments import Array
 from wrsim.results.table import Column, Table, as_rows, quantity, with_unit
 from wrsim.scenario.loading import load
-from wrsim.study.measurement.alignment import Pair, Shift, channel_of, check_channels, found_shift, overlap, pairs
+from wrsim.study.measurement.alignment import (
+    LINES,
+    Pair,
+    Shift,
+    channel_of,
+    check_channels,
+    densities,
+    found_shift,
+    overlap,
+    pairs,
+    spectral_length,
+)
 from wrsim.study.measurement.reading import Record, read_record
 from wrsim.study.measurement.sections import ValidationFile
 from wrsim.study.plan import FileInput, Plan, with_cases
@@ -44,8 +54,6 @@ NEEDED: dict[str, tuple[str, ...]] = {
     "body_ay_rms": ("point_ay",), "body_az_rms": ("point_az",), "body_ay": ("point_ay",), "body_az": ("point_az",),
 }  # fmt: skip
 """Channels that a quantity of Annex T comes from."""
-LINES = 32
-"""Lines of a spectrum at least."""
 
 
 @dataclass(frozen=True)
@@ -275,15 +283,11 @@ def series_table(compared: Sequence[Compared]) -> Table:
     return Table("Series, filtered as the file says", heads, body, (note,))
 
 
-def _length(n: int) -> int:
-    return max(min(n, 2 * LINES), 2 * n // 4)
-
-
 def _phase(pair: Pair) -> tuple[float | None, float | None, float | None]:
     """Strongest measured line [Hz], and there ratio and phase [deg] of model over measurement."""
     if pair.measured.size < 2 * LINES:
         return None, None, None
-    length = _length(pair.measured.size)
+    length = spectral_length(pair.measured.size)
     frequency, cross = csd(pair.measured, pair.model, pair.rate, "hann", length, detrend="constant")
     power = welch(pair.measured, pair.rate, "hann", length, detrend="constant")[1]
     i = 1 + int(np.argmax(power[1:]))
@@ -291,13 +295,6 @@ def _phase(pair: Pair) -> tuple[float | None, float | None, float | None]:
         return None, None, None
     ratio = cross[i] / power[i]
     return float(frequency[i]), float(np.abs(ratio)), float(np.degrees(np.angle(ratio)))
-
-
-def densities(pair: Pair) -> tuple[Array, Array, Array]:
-    """Frequencies (m,) [Hz], power spectral densities of measurement and model, in the unit for readers."""
-    factor, length = CHANNELS[pair.series.section.channel].shown.factor, _length(pair.measured.size)
-    both = [welch(factor * v, pair.rate, "hann", length, detrend="constant") for v in (pair.measured, pair.model)]
-    return both[0][0][1:], both[0][1][1:], both[1][1][1:]
 
 
 def basis(compared: Sequence[Compared], rows: Sequence[Judged], model: Assessment) -> list[str]:
@@ -362,8 +359,7 @@ def figures(compared: Sequence[Compared], rows: Sequence[Judged]) -> Makers:
             }
             series.append(Panel(f"{place} [{channel.shown.symbol}]", "Distance along the track [m]", lines))
             if pair.measured.size >= 2 * LINES:
-                frequency, measured, model = densities(pair)
-                density = {"measured": (frequency, measured), "model": (frequency, model)}
+                density = {name: densities(pair, values) for name, (_, values) in lines.items()}
                 label = f"{place} [({channel.shown.symbol})²/Hz]"
                 spectra.append(Panel(label, "Frequency [Hz]", density, log=True))
     labels = [with_unit(QUANTITIES[row.key].symbol, QUANTITIES[row.key].shown.unit) for row in rows]

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.signal import correlate, correlation_lags
+from scipy.signal import correlate, correlation_lags, welch
 
 from wrsim.errors import InputError
 from wrsim.register import ANALYSES
@@ -18,6 +18,8 @@ from wrsim.study.task import begun
 
 DENSER = 1.5
 """Measured samples so many times as dense as those of the run are averaged over the steps of these."""
+LINES = 32
+"""Lines of a spectrum at least."""
 LEAST_PART = 0.5
 """Part of the shorter of run and measurement that has to overlap at a shift."""
 
@@ -32,10 +34,12 @@ class Shift(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """A series beside its channel: places (n,) [m] along the run, values (n,) in SI units, samples a second."""
+    """A series beside its channel: places (n,) [m] along the run and on the clock of the series, values (n,) in SI
+    units, samples a second."""
 
     series: Measured
     place: Array
+    clock: Array
     model: Array
     measured: Array
     rate: float
@@ -153,7 +157,8 @@ def pairs(dataset: xr.Dataset, record: Record, shift: float) -> list[Pair]:
     """Every series of a record beside its channel, both filtered alike, within from_m and to_m. Raises InputError."""
     part, values = overlap(dataset, record, shift)
     rate = 1.0 if record.axis == "pose" else filters.sampling_rate(part["time"].values)
-    place = clock_of(dataset, record) if record.axis == "pose" else part["distance"].values
+    clock = clock_of(part, record) if record.axis != "pose" else clock_of(dataset, record)
+    place = clock if record.axis == "pose" else part["distance"].values
     compared = []
     for each, measured in zip(record.series, values, strict=True):
         section = each.section
@@ -167,7 +172,7 @@ def pairs(dataset: xr.Dataset, record: Record, shift: float) -> list[Pair]:
             raise InputError(
                 f'[[measured]] "{section.series}", {window}: nothing was measured there, or nothing is defined'
             )
-        compared.append(Pair(each, place[kept], model[kept], measured[kept], rate))
+        compared.append(Pair(each, place[kept], clock[kept], model[kept], measured[kept], rate))
     return compared
 
 
@@ -175,3 +180,14 @@ def _filtered(signal: Array, rate: float, section: SeriesSection) -> Array:
     if section.band_Hz is not None:
         return filters.band_pass(signal, rate, *section.band_Hz)
     return signal if section.low_pass_Hz is None else filters.low_pass(signal, rate, section.low_pass_Hz)
+
+
+def spectral_length(n: int) -> int:
+    """Samples of a segment of a spectrum."""
+    return max(min(n, 2 * LINES), 2 * n // 4)
+
+
+def densities(pair: Pair, values: Array) -> tuple[Array, Array]:
+    """Frequencies (m,) [Hz] and power spectral density of values at the samples of a pair, without the mean."""
+    frequency, density = welch(values, pair.rate, "hann", spectral_length(values.size), detrend="constant")
+    return frequency[1:], density[1:]

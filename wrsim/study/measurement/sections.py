@@ -60,8 +60,8 @@ class SeriesSection(ChannelOutput, header="[[measured]]"):
     band_Hz: Two[Hz] | None = None
     """Band-pass of both, two rising frequencies."""
     noise: Annotated[float, positive()] | None = None
-    """Standard deviation of what is measured besides the signal, in the unit of the series; from the residual unless
-    given."""
+    """Standard deviation of what is measured besides the signal, behind the filter, in the unit of the series; from the
+    residual unless given."""
     reduce: Literal[*REDUCTIONS] | None = None  # type: ignore[assignment,valid-type]
     """What is compared in place of the samples: a number of them."""
     fit: Literal["series", "spectrum"] = "series"
