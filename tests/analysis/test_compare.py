@@ -223,3 +223,29 @@ def test_the_command_writes_a_result_of_the_moments(tmp_path):
     assert (tmp_path / "half-space+fastsim/patches.png").exists()
     assert call(*command, "500").exit_code == 2
     assert "must be load or pose" in call(*command, "80.2", "--same", "N").output
+
+
+@pytest.mark.usefixtures("sketched")
+def test_the_command_finds_stresses_and_fatigue_below_a_patch(tmp_path):
+    text = TWO_POSES + "[contact]\nstrips = 12\ncells = 6\n"
+    ran(text).save(tmp_path / "result.nc")
+    command = ["resolve", str(tmp_path), "--contact", "file", "--at", "y+0", "-o", str(tmp_path / "below")]
+    limits = ["--bending-limit-mpa", "320", "--torsion-limit-mpa", "200"]
+    assert "Below the surface of the rail" in call(*command, "--subsurface", *limits).output
+    d = Result.load(tmp_path / "below").wheelset()
+    assert d.attrs["torsion_limit_MPa"] == 200.0
+    there = np.isfinite(d["N"].values)
+    assert np.array_equal(np.isfinite(d["von_mises_max"].values), there)
+    # a Hertzian contact has 0.56 to 0.65 of its peak (line to point); friction at 0.35 and two patches add to it
+    ratio = d["von_mises_max"].values[there] / d["p0"].values[there]
+    assert ((ratio > 0.5) & (ratio < 1.1)).all()
+    inner = d["von_mises_across"].values[there].max(axis=(-2, -1))
+    assert (inner <= d["von_mises_max"].values[there] * 1.001).all()
+    assert (d["crossland_max"].values[there] > 0.1).all()
+    assert (tmp_path / "below/subsurface.png").exists()
+    ok("report", str(tmp_path / "below"))
+    page = next((tmp_path / "below").glob("*.html")).read_text(encoding="utf-8")
+    assert "stresses below the surface" in page
+    assert "needs both" in call(*command, "--subsurface", *limits[:2]).output
+    assert "need --subsurface" in call(*command, *limits).output
+    assert "--body track: must be rail or wheel" in call(*command, "--subsurface", "--body", "track").output

@@ -156,7 +156,7 @@ def test_without_slip_a_traction_rises_with_the_bound_by_its_eighth_power_and_fa
     # the march alone; a traction at the bound stays at it (rising), one below keeps its size until the bound cuts it
     strip, work, shape = ellipse(1.0, 1), np.zeros((12, 1)), bound_over_cells(20, False)
     begin(work, 0, PEAK, 1.0, 0.0, start, 0.0, 0.0, 0.0)
-    march(Rolling(strip, 1, Flexibilities(1e-12, 1e-12, 1e-12), 1.0, shape, work, work[:0]), rising)
+    march(Rolling(strip, 1, Flexibilities(1e-12, 1e-12, 1e-12), 1.0, shape, work, work[:0], work[:0]), rising)
     tractions = [start * shape[0]]
     for before, bound in pairwise(shape):
         rise = rising * max(bound / before - 1.0, 0.0) * (tractions[-1] / before) ** 8

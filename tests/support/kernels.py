@@ -38,6 +38,7 @@ from wrsim.contact.strips.changes import deactivate_grid
 from wrsim.contact.strips.derivatives import jacobian
 from wrsim.contact.strips.equations import residuals
 from wrsim.contact.strips.records import UNKNOWNS_PER_STRIP, V
+from wrsim.contact.subsurface.loads import surface_loads
 from wrsim.contact.surfaces.rail import unfold
 from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
 from wrsim.contact.wheel_rail import STAGES, compile_stages, place_bodies
@@ -161,6 +162,10 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         found[f"many poses, {threads} threads"] = many.evaluate_many(poses, threads=threads).force.ravel().tolist()
     loaded = many.solve_many(poses, 3e4, threads=1)
     found["many poses under a load"] = [*map(float, loaded.status), *map(float, abs(loaded.force[:, 2] - 3e4) < 0.1)]
+    rolling = contact_model(many.wheel, many.rail, 0.46, replace(few, tangential="fastrip"), FRICTION)
+    rolling.evaluate(poses[0, :3], poses[0, 3:6], poses[0, 6:9], poses[0, 9:])
+    (loads,) = surface_loads(rolling)
+    found["stress below"] = (loads.stress([0.0, 1e-3], 1e-4, [0.0, 2e-3]).components / loads.p0).ravel().tolist()
     search = np.zeros(1, SEARCH)
     search["load"], search["tolerance"], search["farthest"], search["scale"] = 3e4, 1e-8, 5e-3, 1e-4
     held = pack([search, *many.inputs])

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast, get_args
 
 import numpy as np
 import xarray as xr
@@ -27,6 +27,9 @@ from wrsim.contact.channels import POSE_CHANNELS, ElementField, StripRecorder, W
 from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.prescribed_load import approach_of
 from wrsim.contact.status import status_words
+from wrsim.contact.subsurface.fatigue import FatigueLimits
+from wrsim.contact.subsurface.loads import Body, surface_loads
+from wrsim.contact.subsurface.sections import Values, sections, subsurface_channels
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.results.moments import sample_of
@@ -43,6 +46,36 @@ TOLERANCE = 1e-5  # of the vertical force, of the exact solver
 DEEPEST = 1e-3  # farthest a wheel is moved [m]
 
 
+@dataclass(frozen=True)
+class Subsurface:
+    """Stresses below the surface of a body; with limits also fatigue by depth."""
+
+    body: Body = "rail"
+    limits: FatigueLimits | None = None
+
+    @property
+    def attributes(self) -> dict[str, str | float]:
+        """For the dataset."""
+        limits = vars(self.limits) if self.limits else {}
+        return {"subsurface_body": self.body} | {f"{name}_limit_MPa": 1e-6 * value for name, value in limits.items()}
+
+
+def below_surface(asked: bool, body: str, bending: float | None, torsion: float | None) -> Subsurface | None:
+    """What the options of the command mean; limits in MPa. Raises InputError for options that do not fit together."""
+    limits = (bending, torsion)
+    if not asked:
+        if any(limit is not None for limit in limits) or body != "rail":
+            raise InputError("--body, --bending-limit-MPa and --torsion-limit-MPa: need --subsurface")
+        return None
+    if body not in get_args(Body):
+        raise InputError(f"--body {body}: must be rail or wheel")
+    if bending is None and torsion is None:
+        return Subsurface(cast(Body, body))
+    if bending is None or torsion is None:
+        raise InputError("--bending-limit-MPa and --torsion-limit-MPa: fatigue by depth needs both")
+    return Subsurface(cast(Body, body), FatigueLimits(1e6 * bending, 1e6 * torsion))
+
+
 def resolve_contacts(
     result: Result,
     scenario: Scenario,
@@ -51,14 +84,16 @@ def resolve_contacts(
     keep: str = "load",
     moments: Sequence[int] | None = None,
     wheelset: str | None = None,
+    subsurface: Subsurface | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Solve the contacts that a result keeps (poses, snapshots) with the contact model of that name.
 
     scenario: of the result, for profiles and friction (`scenario.loading.load_text` of its ``scenario_text``); name:
     see `scenario.contact_choice`; moments: indices of those wanted, default all; wheelset: the one wanted where there
-    are several. Channels of track and wheelset are those of the result; those of wheels, patches and strips are new.
-    Raises InputError for a result that keeps no poses of its wheels, and when one of several wheelsets has to be named.
+    are several; subsurface: what is computed below the surface. Channels of track and wheelset are those of the result;
+    those of wheels, patches and strips are new. Raises InputError for a result that keeps no poses of its wheels, and
+    when one of several wheelsets has to be named.
     """
     if keep not in ("load", "pose"):
         raise InputError(f"--same {keep}: must be load or pose")
@@ -67,11 +102,13 @@ def resolve_contacts(
     built = build(scenario)
     setup = replace(built, contact=replace(chosen.spec.contact.settings(), friction=built.contact.friction))
     kept = _kept_moments(result.wheelset(wheelset), setup, moments)
-    new = _solve_moments(kept, setup, keep == "load", Report(progress))
+    new = _solve_moments(kept, setup, keep == "load", subsurface, Report(progress))
     stop = ("stop_reason", "stop_cause", "stop_time_s", "stop_distance_m")
     about = ("title", "analysis", "status", "inputs", "vehicle", ATTRIBUTE, "step_s", *stop)
     attributes = {key: kept.dataset.attrs[key] for key in about if key in kept.dataset.attrs}
     attributes |= {"scenario_text": chosen.text, "resolved_with": name, "resolved_at_same": keep}
+    if subsurface is not None:
+        attributes |= subsurface.attributes
     return Result(assemble(kept.coords(), kept.unchanged() | new, attributes))
 
 
@@ -131,19 +168,27 @@ def _kept_moments(dataset: xr.Dataset, setup: Setup, moments: Sequence[int] | No
     return _KeptMoments(dataset, wheels, chosen, samples, poses[chosen], places)
 
 
-def _solve_moments(kept: _KeptMoments, setup: Setup, same_load: bool, report: Report) -> dict[str, NDArray[Any]]:
-    """Channels of contacts, strips and remarks; same_load: wheels keep their vertical forces, not their heights."""
+def _solve_moments(
+    kept: _KeptMoments, setup: Setup, same_load: bool, subsurface: Subsurface | None, report: Report
+) -> dict[str, NDArray[Any]]:
+    """Channels of contacts, strips, stresses and remarks; same_load: wheels keep their vertical forces, not their
+    heights."""
     count, loads = len(kept.moments), kept.dataset["Q"].values[kept.samples]
     raw = channels.RawContacts.empty(count, len(kept.wheels), setup.contact.patch_count)
     strips, remarks = channels.StripRecorder(kept.wheels), []
+    below: list[list[list[Values]]] = []
     for row in range(count):
         elements, remark = [], []
+        below.append([[] for _ in kept.wheels])
         for j, wheel in enumerate(kept.wheels):
             fields: list[ElementField] = []
             if np.isfinite(pose := kept.poses[row, j]).all():
                 _place(wheel, setup, pose, float(kept.places[row, j]))
                 fields, message = _settle(wheel, float(loads[row, j]) if same_load else 0.0)
                 raw.store(row, j, wheel.model.arrays)
+                if subsurface is not None:
+                    patches = surface_loads(wheel.model, subsurface.body, fields or None)
+                    below[-1][j] = [sections(patch, subsurface.limits) for patch in patches]
                 message = "; ".join(filter(None, (message, status_words(wheel.model.arrays.status))))
                 remark += [f"the {wheel.name} wheel: {message}"] if message else []
             elements.append(fields)
@@ -154,7 +199,8 @@ def _solve_moments(kept: _KeptMoments, setup: Setup, same_load: bool, report: Re
         remarks.append("; ".join(remark))
         report((row + 1) / count)
     contacts = channels.contact_channels(raw, kept.wheels, *_moved_rails(kept, setup.track.nominal_gauge))
-    return channels.remarks_channel(remarks) | contacts | strips.channels()
+    stresses = subsurface_channels(below, len(kept.wheels), setup.contact.patch_count)
+    return channels.remarks_channel(remarks) | contacts | strips.channels() | stresses
 
 
 def _place(wheel: WheelOnRail, setup: Setup, pose: NDArray[np.float64], place: float) -> None:

@@ -181,6 +181,14 @@ def resolve(
     at: options.Places = (),
     wheelset: options.OneWheelset = None,
     same: Annotated[str, Option("What every wheel keeps: its load or its height.", "load|pose")] = "load",
+    subsurface: Annotated[bool, Option("Compute the stresses below the surface.")] = False,
+    body: Annotated[str, Option("Body below whose surface: rail or wheel.", "rail|wheel")] = "rail",
+    bending_limit_MPa: Annotated[
+        float | None, Option("Fatigue limit of its steel in reversed bending, for fatigue by depth.", "MPA", 1.0)
+    ] = None,
+    torsion_limit_MPa: Annotated[
+        float | None, Option("Fatigue limit of its steel in reversed torsion, for fatigue by depth.", "MPA", 1.0)
+    ] = None,
     models: options.Models = (),
     pictures: options.Pictures = True,
     force: options.Force = False,
@@ -198,14 +206,15 @@ def resolve(
     InputError
         For a result without poses of its wheels, and when one of several wheelsets has to be named.
     """
-    from wrsim.analysis.resolve import resolve_contacts
+    from wrsim.analysis.resolve import below_surface, resolve_contacts
     from wrsim.report.output_folder import RECORD, claimed, naming, write
     from wrsim.report.outputs import file_name
     from wrsim.results import write_atomically
-    from wrsim.results.moments import moments_at, resolved_table
+    from wrsim.results.moments import moments_at, resolved_table, subsurface_tables
     from wrsim.results.summary_tables import first_lines, remarks
     from wrsim.scenario.kept import scenario_of
 
+    below = below_surface(subsurface, body, bending_limit_MPa, torsion_limit_MPa)
     before, paths = as_result(result), paths_in(result)
     directory = Path(output) if output else folder_beside(result) / file_name(contact)
     with naming(*paths), bar() as progress:
@@ -213,12 +222,13 @@ def resolve(
         beside = folder_beside(result) if paths else Path()
         scenario = scenario_of(before.dataset.attrs, beside, models)
         after = resolve_contacts(
-            before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress
-        )
+            before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, subsurface=below,
+            progress=progress,
+        )  # fmt: skip
     with claimed(directory, force, paths) as keeper:
         write_atomically(directory / RECORD, after.dataset.attrs["scenario_text"].encode())
         files = write(after, directory, pictures)
         keeper.clear(files)
     notes = first_lines(remarks(after.summary()), "remarks")
-    tables = [resolved_table(before.wheelset(wheelset), after.wheelset(), notes)]
+    tables = [resolved_table(before.wheelset(wheelset), after.wheelset(), notes), *subsurface_tables(after.wheelset())]
     return Outcome(tables, {"directory": str(directory), "summary": after.summary()}, files, after, folder=directory)

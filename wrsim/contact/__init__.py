@@ -14,7 +14,8 @@ The room in the order of a computation:
 7. ``creep``: coefficients of friction and creep forces over the strips.
 8. ``resultants``, ``contact_angle``: forces, moments, figures of a lobe; ``patches``, ``channels``: what results show.
 9. ``prescribed_load``: heights at which wheels carry a load. ``wear``: laws of wear and fatigue, losses of profiles.
-10. ``library``: all of it as a C library, with the files that it opens (``library_file``).
+10. ``subsurface``: stress and fatigue below the surface.
+11. ``library``: all of it as a C library, with the files that it opens (``library_file``).
 
 ``__init__.pyi`` has the public names; they are imported when they are first used.
 """

@@ -14,6 +14,10 @@ from wrsim.contact.settings import Friction as Friction
 from wrsim.contact.settings import FrictionAlong as FrictionAlong
 from wrsim.contact.settings import HalfSpaceSettings as HalfSpaceSettings
 from wrsim.contact.settings import Material as Material
+from wrsim.contact.subsurface.fatigue import FatigueLimits as FatigueLimits
+from wrsim.contact.subsurface.loads import SurfaceLoads as SurfaceLoads
+from wrsim.contact.subsurface.loads import surface_loads as surface_loads
+from wrsim.contact.subsurface.stress import Stress as Stress
 from wrsim.contact.surfaces.out_of_round import Flat as Flat
 from wrsim.contact.surfaces.out_of_round import Harmonic as Harmonic
 from wrsim.contact.surfaces.out_of_round import RadiusTable as RadiusTable

@@ -30,7 +30,8 @@ class Arrays(NamedTuple):
     found: Any  # (8,) FOUND: what the search found
     patches: Any  # (lobes,) LOBE: result
     strips: Any  # (lobes, n) STRIP: result
-    work: Any  # (SCRATCH, >= strips, >= 8) scratch; with lobes * cells rows more for tractions over their bound
+    work: Any  # (SCRATCH, >= strips, >= 8) scratch; with lobes * cells rows more for tractions over their bound, and
+    # twice as many behind them for the tractions themselves
     influence: Any  # table of the strip model (contact.strips.influence)
     rows: Any  # (grids, ROWS) ROW of the strip model
     places: Any  # (grids * n,) PLACE of the strip model

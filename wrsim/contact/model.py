@@ -232,16 +232,30 @@ class ContactModel:
     def library_file(self, tractions: bool = False) -> bytes:
         """The bytes of that file."""
         self._check_compiled()
-        inputs = _inputs(self)
-        law = CREEP_LAWS[self.settings.creep_forces]
-        if tractions and law.cells:
-            rows = SCRATCH + len(inputs.patches) * len(inputs.shape)
-            inputs = inputs._replace(work=np.zeros((rows, inputs.work.shape[1])))
-        return library_bytes(inputs, repr(self))
+        return library_bytes(_inputs(self, 1 if tractions else 0), repr(self))
 
     def _check_compiled(self) -> None:
         if self.normal.solve is not None:
             raise InputError(f'normal = "{self.settings.normal}": is not compiled; solve_poses solves its poses')
+
+    def with_tractions(self) -> "ContactModel":
+        """The same with tractions in the cells of its strips, solved at the pose set in its arrays."""
+        compile_stages(k.CONTACT, self.normal.kernel)
+        other = self.within(pack(_inputs(self, 3)))
+        other.arrays.rows.call[:], other.arrays.pose[:] = self.arrays.rows.call, self.arrays.pose
+        other.solve()
+        return other
+
+    def tractions_in_cells(self, lobe: int) -> Array | None:
+        """Tractions on the wheel along x and across in the cells of strips, (2, strips, cells) by rising x [Pa]; None
+        where they are not stored."""
+        a, cells = self.arrays, self.settings.cells
+        first = SCRATCH + (len(a.patches) + 2 * lobe) * cells
+        if len(a.rows.work) < first + 2 * cells:
+            return None
+        count = a.patches[lobe].n_strips
+        values = a.rows.work[first : first + 2 * cells, :count].reshape(2, cells, count).swapaxes(1, 2)
+        return np.ascontiguousarray(values[..., :: -1 if a.pose[6] >= 0.0 else 1])
 
     @property
     def _batch_inputs(self) -> Arrays:
@@ -294,7 +308,8 @@ class Contact:
         return float(self.patches["N"].sum())
 
 
-def _inputs(model: ContactModel) -> Arrays:
+def _inputs(model: ContactModel, of_cells: int = 0) -> Arrays:
+    """of_cells: numbers of every cell that are stored: 0, 1 (see ``save_for_library``) or 3, with its tractions."""
     settings, friction, normal = model.settings, model.friction, model.normal
     along = np.zeros((0, 0)) if isinstance(friction, Friction) else friction.table
     wheel_table, wheel_step = tables.profile_table(model.wheel)
@@ -355,7 +370,7 @@ def _inputs(model: ContactModel) -> Arrays:
         found=np.zeros(8, k.FOUND),
         patches=np.zeros(lobes, k.LOBE),
         strips=np.zeros((lobes, of_a_lobe), k.STRIP),
-        work=np.zeros((SCRATCH, max(of_a_lobe, 8))),
+        work=np.zeros((SCRATCH + of_cells * lobes * settings.cells * law.cells, max(of_a_lobe, 8))),
         influence=tables.influence_table() if grids else np.zeros((0, 0)),
         rows=np.zeros((grids, ROWS), ROW),
         places=np.zeros(grids * most, PLACE),

@@ -16,11 +16,12 @@ from wrsim.plots.drawing import save_all
 from wrsim.plots.histories import ANGLES, channels_figure, overview_figure, vehicle_figures
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
+from wrsim.plots.subsurface import subsurface_figure
 from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import NAMES
-from wrsim.results.moments import has_patches, is_history
+from wrsim.results.moments import has_patches, has_subsurface, is_history
 from wrsim.results.summary import has_wear
 from wrsim.results.wheelsets import fast_of, of_wheelset, wheelset_folder, wheelsets, worst_wheelset
 
@@ -69,6 +70,8 @@ def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
         figures["patches"] = partial(patch_gallery, one)
         if has_outlines(one):
             figures["sections"] = partial(section_gallery, one)
+    if has_subsurface(one):
+        figures["subsurface"] = partial(subsurface_figure, one)
     return figures
 
 

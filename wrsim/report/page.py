@@ -27,13 +27,14 @@ from wrsim.plots.patches import patch_gallery
 from wrsim.plots.pictures import standard_figures
 from wrsim.plots.ride import ride_figure
 from wrsim.plots.spectra import spectra_figure
+from wrsim.plots.subsurface import subsurface_figure
 from wrsim.plots.theme import rendered
 from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.report import tables
 from wrsim.report.charts import charts_of
 from wrsim.report.document import NO_COVER, Cover, css_text, paragraph, together
 from wrsim.results import Result
-from wrsim.results.moments import has_patches, moment_dim
+from wrsim.results.moments import has_patches, has_subsurface, moment_dim, subsurface_tables
 from wrsim.results.ride import Ride
 from wrsim.results.spectra import spectra_table
 from wrsim.results.summary import has_wear
@@ -224,7 +225,7 @@ def _standard(runs: _Runs) -> dict[str, Callable[[], Figure]]:
         f"{name}: {picture}" if name else picture: make
         for r, name in zip(runs.results, runs.names, strict=True)
         for picture, make in standard_figures(r.dataset).items()
-        if not picture.endswith(("patches", "sections", "wear", "fatigue", "bent", "fast"))
+        if not picture.endswith(("patches", "sections", "subsurface", "wear", "fatigue", "bent", "fast"))
     }
 
 
@@ -236,11 +237,17 @@ def _contacts(dataset: xr.Dataset, result: str) -> list[dict[str, Any]]:
     for name, label in numbered(wheelsets(dataset)).items():
         one = of_wheelset(dataset, name)
         moments, total = choose_moments(one, MOST_MOMENTS), one.sizes[moment_dim(one)]
-        galleries = {"wheel on rail": section_gallery, "patches from above": patch_gallery}
-        row: dict[str, Any] = {"numbers": tables.contacts(one, moments), "open": name == worst_wheelset(dataset)}
+        makers = {
+            "wheel on rail": partial(section_gallery, one, moments),
+            "patches from above": partial(patch_gallery, one, moments),
+        }
+        if has_subsurface(one):
+            makers["stresses below the surface"] = partial(subsurface_figure, one)
+        numbers = [tables.contacts(one, moments), *subsurface_tables(one)]
+        row: dict[str, Any] = {"numbers": numbers, "open": name == worst_wheelset(dataset)}
         row["name"] = label + (f": {len(moments)} of {total} moments" if len(moments) < total else "")
-        makers = ((f"{result} {label} {what}".strip(), make) for what, make in galleries.items())
-        wheelset_rows.append(row | {"makers": {words: partial(make, one, moments) for words, make in makers}})
+        row["makers"] = {f"{result} {label} {what}".strip(): make for what, make in makers.items()}
+        wheelset_rows.append(row)
     return wheelset_rows
 
 

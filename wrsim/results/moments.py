@@ -160,6 +160,35 @@ def resolved_table(old: xr.Dataset, new: xr.Dataset, notes: tuple[str, ...] = ()
     return Table("", (*heads, *(Column.of(CHANNELS[name], name) for name in names)), rows, notes)
 
 
+SUBSURFACE = ("von_mises_max", "von_mises_depth", "tresca_max", "tresca_depth")
+FATIGUE = ("dang_van_max", "dang_van_depth", "crossland_max", "crossland_depth")
+"""Channels of patches in the table of stresses below the surface."""
+
+
+def has_subsurface(dataset: xr.Dataset) -> bool:
+    """True where stresses below a surface were computed."""
+    return "von_mises_max" in dataset and bool(np.isfinite(dataset["von_mises_max"].values).any())
+
+
+def subsurface_tables(dataset: xr.Dataset) -> list[Table]:
+    """Stresses and fatigue below every patch of one wheelset; no table where there are none."""
+    if not has_subsurface(dataset):
+        return []
+    names = [name for name in (*SUBSURFACE, *FATIGUE) if name in dataset]
+    rows: list[list[Cell]] = []
+    for i in range(dataset["von_mises_max"].shape[0]):
+        runs = "time" in dataset.dims
+        place = quantity(float(dataset["snapshot_distance"].values[i]), "m", ".1f") if runs else ""
+        for w, wheel in enumerate(dataset["wheel"].values):
+            for k in range(dataset.sizes["patch"]):
+                if _shown(dataset, "von_mises_max", i, w, k) is not None:
+                    head = (place or str(dataset["pose"].values[i]), str(wheel), PATCHES[k])
+                    rows.append([*head, *(_shown(dataset, name, i, w, k) for name in names)])
+    heads = (Column("at"), Column("wheel"), Column("patch"))
+    title = f"Below the surface of the {dataset.attrs.get('subsurface_body', 'rail')}"
+    return [Table(title, (*heads, *(Column.of(CHANNELS[name], name) for name in names)), rows)]
+
+
 def _shown(dataset: xr.Dataset, name: str, at: int, wheel: int, patch: int) -> float | None:
     values = dataset[name].values
     return finite(values[at, wheel, patch], CHANNELS[name].shown.factor) if patch < values.shape[2] else None

@@ -55,7 +55,8 @@ def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
         soft = _reduced(a.creep, model, strips, n, normal, mean, ellipse, soft)
     cells = a.shape.shape[0] if a.work.shape[0] > SCRATCH else 0
     slip = a.work[SCRATCH + i * cells : SCRATCH + (i + 1) * cells]
-    on = Rolling(strips, n, soft, direction, a.shape, a.work, slip)
+    first = SCRATCH + (lobes.shape[0] + 2 * i) * cells
+    on = Rolling(strips, n, soft, direction, a.shape, a.work, slip, a.work[first : first + 2 * cells])
     peak = PARABOLA_PEAK if model.parabolic else 1.0
     if law == FASTSIM and model.blended:
         fastsim_blended(on, peak)

@@ -22,11 +22,11 @@ Not in the paper: the one flexibility and the sticking again, the fading, and th
 works through L1 like the rest of it.
 """
 
-from math import pi, sqrt
+from math import asin, pi, sqrt
 
 from wrsim.contact.creep.flexibility import Rolling
-from wrsim.contact.creep.march import TINY, begin, largest_traction, march
-from wrsim.jit import kernel
+from wrsim.contact.creep.march import BOUND, START_X, START_Y, STUCK, TINY, begin, largest_traction, march
+from wrsim.jit import Array, kernel
 
 FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
 
@@ -34,7 +34,7 @@ FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken 
 @kernel
 def fastrip(on: Rolling, half_length: float) -> None:
     """Tangential forces of the strips (creep-fastrip), elliptic bound; half_length: of the equivalent ellipse [m]."""
-    strips, n, soft, direction, shape, work, _slip = on
+    strips, n, soft, direction, shape, work, _slip, traction = on
     dx = 2.0 / shape.shape[0]
     shift = 16.0 * half_length / (3.0 * pi * pi)
     for i in range(n):
@@ -52,6 +52,27 @@ def fastrip(on: Rolling, half_length: float) -> None:
         fy = (psi - ay) * 0.5 * pi * d * d / dx
         begin(work, i, bound, 1.0 - 2.0 * d, ax, ay, fx, fy, fy * (1.0 - d))
     march(on, True)
+    if traction.shape[0] > 0:
+        for i in range(n):
+            if work[BOUND, i] > TINY:
+                psi = -direction * 0.375 * half_length * strips[i].phi * strips[i].a / (soft.l3 * work[BOUND, i])
+                _add_adhesion(work[:, i], shape.shape[0], psi, traction[:, i])
+
+
+@kernel
+def _add_adhesion(row: Array, cells: int, psi: float, traction: Array) -> None:
+    """Add the tractions of k_d in the adhesion zone: their means over the cells of a strip. row: of `march`."""
+    d, dx = 0.5 * (1.0 - row[STUCK]), 2.0 / cells
+    if d <= 0.0:
+        return
+    last = 0.25 * pi * d * d
+    for j in range(cells):
+        u = min(max((d - (j + 1) * dx) / d, -1.0), 1.0)
+        primitive = 0.5 * d * d * (u * sqrt(1.0 - u * u) + asin(u))
+        mean = row[BOUND] * (last - primitive) / dx
+        last = primitive
+        traction[j] -= row[START_X] * mean
+        traction[cells + j] += (psi - row[START_Y]) * mean
 
 
 @kernel

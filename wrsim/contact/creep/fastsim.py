@@ -26,7 +26,7 @@ def fastsim(on: Rolling, mean: Creepages, peak: float) -> None:
     """Tangential forces of the strips, with three flexibilities throughout. mean: creepages over the patch; peak: of
     the bound over that of the semi-ellipse of equal force, 1 for the elliptic bound, PARABOLA_PEAK for the parabolic
     one."""
-    strips, n, soft, direction, shape, work, slip = on
+    strips, n, soft, direction, shape, work, slip, traction = on
     cells = shape.shape[0]
     step_x, step_y, turn = work[0], work[1], work[2]
     bound = work[3]
@@ -62,6 +62,9 @@ def fastsim(on: Rolling, mean: Creepages, peak: float) -> None:
         if slip.shape[0] > 0:
             for i in range(n):
                 slip[j, i] = sqrt(qx[i] * qx[i] + qy[i] * qy[i]) / max(bound[i] * shape[j], TINY)
+        if traction.shape[0] > 0:
+            for i in range(n):
+                traction[j, i], traction[cells + j, i] = qx[i], qy[i]
     for i in range(n):
         strip = strips[i]
         cell = dx * strip.a * strip.ds

@@ -46,7 +46,8 @@ class Rolling(NamedTuple):
     strips: records STRIP, the first n of them; soft: flexibilities of the equivalent ellipse; direction: +1 rolling
     along +x, -1 backwards; shape: (cells,) means over each cell of sqrt(1 - X^2), or of 1 - X^2 for the parabola, X = x
     / a from the leading edge on (means, so that full sliding gives mu N exactly); work: (12, >= n) scratch; slip:
-    (cells, >= n), or no rows: tractions over their bound, 1 where they slide, 0 where strip theory lets them stick.
+    (cells, >= n), or no rows: tractions over their bound, 1 where they slide, 0 where strip theory lets them stick;
+    traction: (2 cells, >= n), or no rows: along x, then across [Pa].
     They read a, ds, N, mu and the creepages xi, eta, phi of each strip, wheel against rail, and write Fx, Fy, Mz:
     forces on the wheel [N] and their moment about the strip's centre [N m].
     """
@@ -58,6 +59,7 @@ class Rolling(NamedTuple):
     shape: Array
     work: Array
     slip: Array
+    traction: Array
 
 
 @inlined

@@ -24,7 +24,7 @@ from wrsim.jit import kernel
 @kernel
 def linear_creep(on: Rolling, mean: Creepages, saturated: float) -> None:
     """Forces (creep-linear) of the strips; mean: creepages over the patch; saturated: 1 with a bound, else 0."""
-    strips, n, soft, direction, _shape, _work, _slip = on
+    strips, n, soft, direction, _shape, _work, _slip, _traction = on
     for i in range(n):
         strip = strips[i]
         area = 2.0 * strip.a * strip.a * strip.ds

@@ -47,7 +47,7 @@ def begin(work: Array, i: int, bound: float, stuck: float, x: float, y: float, f
 @kernel
 def march(on: Rolling, rising: bool) -> None:
     """Tangential forces of the strips, each set by `begin`. rising: whether tractions rise with the bound."""
-    strips, n, soft, direction, shape, work, slip = on
+    strips, n, soft, direction, shape, work, slip, traction = on
     cells = shape.shape[0]
     dx = 2.0 / cells
     per_cell = 1.0 / dx
@@ -105,6 +105,9 @@ def march(on: Rolling, rising: bool) -> None:
         if slip.shape[0] > 0:
             for i in range(n):
                 slip[j, i] = 0.0 if x >= stuck[i] else sqrt(qx[i] * qx[i] + qy[i] * qy[i]) / limit
+        if traction.shape[0] > 0:
+            for i in range(n):
+                traction[j, i], traction[cells + j, i] = bound[i] * qx[i], bound[i] * qy[i]
     for i in range(n):
         strip = strips[i]
         force = bound[i] * dx * strip.a * strip.ds
