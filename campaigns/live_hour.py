@@ -1,12 +1,13 @@
 """Memory of live pages in a Chromium over an hour. Run: python campaigns/live_hour.py [HOURS]
 
 The wheelset of scenarios/curve_r300.toml runs on as fast as it can, without being started again, until the hours of its
-own time are over; then the contact page is dragged to and fro, FRAMES an hour. Each row: memory of the program
+own time are over; then the contact page is dragged to and fro over FRAMES. Each row: memory of the program
 (WebAssembly), heap of the page's scripts after a collection, resident memory of the renderers (page, worker and
 graphics), samples that the history holds. Ends with an error where one of the first two grows by more than GROWTH
 between half and the end: histories and traces of a page have a length that they reach by then.
 """
 
+import os
 import sys
 import tempfile
 import time
@@ -30,20 +31,10 @@ DRAG = """
 """
 
 
-def renderers(opened: Browser) -> float:
-    """Resident memory of the browser's renderers [MB]."""
-    total, parents = 0.0, {opened.driver.service.process.pid}
-    processes = [p for p in Path("/proc").iterdir() if p.name.isdigit()]
-    for process in sorted(processes, key=lambda p: int(p.name)):
-        try:
-            fields = (process / "stat").read_text().rpartition(")")[2].split()
-            if int(fields[1]) in parents:
-                parents.add(int(process.name))
-                if "--type=renderer" in (process / "cmdline").read_text():
-                    total += int((process / "statm").read_text().split()[1]) * 4096 / 1e6
-        except OSError:
-            continue  # it has ended
-    return total
+def resident(opened: Browser) -> float:
+    """Memory of the browser's renderers [MB]."""
+    pages = sum(int((process / "statm").read_text().split()[1]) for process in opened.renderers())
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def row(opened: Browser, name: str, memory: str, kept: str) -> list[float]:
@@ -52,7 +43,7 @@ def row(opened: Browser, name: str, memory: str, kept: str) -> list[float]:
     program = opened.run(f"return {memory}") / 1e6
     heap = opened.driver.execute_cdp_cmd("Runtime.getHeapUsage", {})["usedSize"] / 1e6
     samples = opened.run(f"return {kept}")
-    print(f"{name:>24s}{program:12.1f}{heap:12.1f}{renderers(opened):12.0f}{samples:12d}", flush=True)
+    print(f"{name:>24s}{program:12.1f}{heap:12.1f}{resident(opened):12.0f}{samples:12d}", flush=True)
     return [program, heap]
 
 
@@ -85,11 +76,9 @@ def main(hours: float) -> None:
         opened.run("return wrsim.ready.then(() => true)")
         rows = []
         for part in range(1, PARTS + 1):
-            opened.run(f"return (async () => {{{DRAG % int(FRAMES * hours / PARTS)}}})()")
+            opened.run(f"return (async () => {{{DRAG % FRAMES // PARTS}}})()")
             memory = "wrsim.page.program.call.memory.buffer.byteLength"
-            rows.append(
-                row(opened, f"{int(FRAMES * hours / PARTS) * part} frames", memory, "wrsim.page.record.rows.length")
-            )
+            rows.append(row(opened, f"{FRAMES // PARTS * part} frames", memory, "wrsim.page.record.rows.length"))
         check(rows)
 
 

@@ -47,6 +47,21 @@ class Browser:
         """What a piece of JavaScript returns; one that returns a promise is waited for."""
         return self.driver.execute_script(script)
 
+    def renderers(self) -> list[Path]:
+        """Folders in /proc of the processes that run pages."""
+        found, parents = [], {self.driver.service.process.pid}
+        processes = [process for process in Path("/proc").iterdir() if process.name.isdigit()]
+        for process in sorted(processes, key=lambda p: int(p.name)):
+            try:
+                parent = int((process / "stat").read_text().rpartition(")")[2].split()[1])
+                if parent in parents:
+                    parents.add(int(process.name))
+                    if "--type=renderer" in (process / "cmdline").read_text():
+                        found.append(process)
+            except OSError:
+                continue  # it has ended
+        return found
+
     def complaints(self) -> list[str]:
         """Messages in the console since the page was opened, but for those of a driver about its own speed."""
         told = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] != "INFO"]
