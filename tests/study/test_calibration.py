@@ -13,13 +13,13 @@ from scipy.special import stdtrit
 from support.studies import study_file
 
 from wrsim import InputError, calibrate, load, run
-from wrsim.results import write_atomically
+from wrsim.results import Result, write_atomically
 from wrsim.results.files import digest_of
 from wrsim.study.calibration.fit import Fit, autocorrelation_time
 from wrsim.study.calibration.intervals import Knowledge, knowledge
 from wrsim.study.calibration.outcome import Calibrated
-from wrsim.study.calibration.reading import Target
-from wrsim.study.calibration.sections import CalibratedKey
+from wrsim.study.calibration.reading import Target, mode_numbers
+from wrsim.study.calibration.sections import CalibratedKey, ValueSection
 from wrsim.study.candidates import Candidate, Varied
 from wrsim.study.plan import PLAN, Plan
 from wrsim.study.task import COMPLETED, FAILED, run_case
@@ -167,6 +167,36 @@ def test_candidates_without_a_result_turn_the_search_back():
     t = np.linspace(0.0, 1.0, 50)
     calibration = Formula(lambda x: x[0] * t if x[0] < 2.1 else np.full(50, np.nan), 2.0 * t, None, [key("a", 1.0)])
     assert fitted(calibration)[1].intervals[0].value == pytest.approx(2.0, abs=1e-3)
+
+
+MODES = Result(
+    xr.Dataset(
+        {
+            "mode_frequency": (("pose", "mode"), [[0.8, 1.1, np.nan, 1.2, 8.2]]),
+            "mode_name": (("pose", "mode"), [["yaw", "roll", "", "yaw", "pitch"]]),
+        }
+    )
+)
+
+
+@pytest.mark.parametrize(
+    "given, expected",
+    [
+        ({"frequencies_Hz": [8.0, 1.15]}, [8.2, 1.2]),  # 1.2 is nearer in the logarithm
+        ({"frequencies_Hz": [1.15, 1.12]}, [1.2, 1.1]),  # each mode once
+        ({"frequencies_Hz": [1.15], "modes": ["roll"]}, [1.1]),
+        ({"frequencies_Hz": [0.9, 1.0], "modes": ["yaw", "yaw"]}, [0.8, 1.2]),
+    ],
+)
+def test_a_natural_frequency_stands_beside_the_mode_of_its_name_or_the_nearest(given, expected):
+    value = ValueSection.model_validate({"noise": 0.1} | given)
+    assert mode_numbers(value, MODES) == pytest.approx(expected)
+
+
+def test_a_mode_that_the_model_has_not_is_refused():
+    value = ValueSection.model_validate({"noise": 0.1, "frequencies_Hz": [1.0], "modes": ["bounce"]})
+    with pytest.raises(InputError, match='"bounce" is none; there is yaw, roll, pitch'):
+        mode_numbers(value, MODES)
 
 
 FILE = """

@@ -60,7 +60,7 @@ class Calibrated:
             Column("", key="name"), Column("start", key="start"), Column("data sheet", key="prior"),
             Column("±", key="tolerance"), Column("calibrated", "", ".5g", key="value"),
             Column(f"from ({percent})", key="low"), Column("to", key="high"),
-            Column("from", key="source"), Column("key", key="key"),
+            Column("source", key="source"), Column("key", key="key"),
         )  # fmt: skip
         how = {"linear": "by the derivatives at the optimum", "profile": "by the profile of the likelihood"}
         return Table("Keys", heads, rows, (f"intervals {how[spec.intervals]}",))
@@ -73,12 +73,12 @@ class Calibrated:
             factor = target.shown.factor
             rms = [factor * float(np.sqrt(np.mean((m - target.measured) ** 2))) for m in models]
             label = with_unit(target.label, target.shown.symbol)
-            n = target.measured.size
-            rows.append((label, n, n / weight.neighbours, factor * weight.noise, target.noise is not None, *rms))
+            n, source = target.measured.size, "residual" if target.noise is None else "given"
+            rows.append((label, n, n / weight.neighbours, factor * weight.noise, source, *rms))
         heads = (
             Column("series", key="series"), Column("samples", "", "d", key="samples"),
             Column("independent", "", ".0f", key="independent"), Column("noise", key="noise"),
-            Column("given", key="given"), Column("rms before", key="before"), Column("rms after", key="after"),
+            Column("of", key="noise_of"), Column("rms before", key="before"), Column("rms after", key="after"),
         )  # fmt: skip
         return Table("Residuals", heads, rows, ("independent: samples over the autocorrelation of the residual",))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from wrsim.errors import InputError
+from wrsim.errors import InputError, suggest
 from wrsim.inputs.section import given
 from wrsim.inputs.toml_files import noting_reads
 from wrsim.results import CHANNELS, Result
@@ -23,6 +23,8 @@ from wrsim.study.spec import OutputsSection
 
 MARGIN = 0.05
 """Part of a series at each end that is left out where its shift is looked for, at most."""
+FARTHEST = 1e3
+"""Distance of a mode of another name, in logarithms of frequencies."""
 ACROSS = {"distance": "Distance along the track [m]", "time": "Time [s]", "pose": "Pose"}
 
 
@@ -136,16 +138,27 @@ def _numbers(value: ValueSection, result: Result) -> Array:
         if outputs.faults:
             raise InputError(outputs.faults[0])
         return np.array([*outputs.numbers.values()])
-    if "mode_frequency" not in result.dataset:
-        raise InputError('[[value]] frequencies_Hz: needs a scenario with analysis = "stability"')
-    modes = result.dataset["mode_frequency"].values[0]
-    modes, wanted = modes[np.isfinite(modes) & (modes > 0.0)], np.array(value.frequencies_Hz)
-    if modes.size < wanted.size:
-        raise InputError(
-            f"[[value]] frequencies_Hz: {wanted.size} of them, the model has {modes.size} modes that swing"
-        )
-    rows, columns = linear_sum_assignment(np.abs(np.log(wanted[:, None] / modes[None, :])))
-    return np.asarray(modes[columns[np.argsort(rows)]])
+    return mode_numbers(value, result)
+
+
+def mode_numbers(value: ValueSection, result: Result) -> Array:
+    """Frequencies of the modes that are nearest to measured ones, or of their names [Hz]. Raises InputError."""
+    frequencies, names = (result.dataset[f"mode_{name}"].values[0] for name in ("frequency", "name"))
+    swings = np.isfinite(frequencies) & (np.nan_to_num(frequencies) > 0.0)
+    frequencies, names, wanted = frequencies[swings], names[swings], np.array(value.frequencies_Hz)
+    for name in value.modes:
+        if name not in names:
+            known = list(map(str, dict.fromkeys(names)))
+            raise InputError(f'[[value]] modes: "{name}" is none{suggest(name, known)}; there is {", ".join(known)}')
+    apart = np.abs(np.log(wanted[:, None] / frequencies[None, :]))
+    if value.modes:
+        apart = np.where(np.array(value.modes)[:, None] == names[None, :], apart, FARTHEST)
+    if frequencies.size < wanted.size:
+        raise InputError(f"[[value]] frequencies_Hz: {wanted.size}, the model has {frequencies.size} modes that swing")
+    rows, columns = linear_sum_assignment(apart)
+    if apart[rows, columns].max() >= FARTHEST:
+        raise InputError("[[value]] modes: a name stands there more often than the model has modes of it")
+    return np.asarray(frequencies[columns[np.argsort(rows)]])
 
 
 def read_calibration(file: Path, folder: Path, models: Sequence[str | Path]) -> Calibration:

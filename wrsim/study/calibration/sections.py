@@ -41,17 +41,24 @@ class ValueSection(Section, header="[[value]]"):
 
     one_of = ("frequencies_Hz summary",)
     together = ("summary value",)
+    goes_with: ClassVar[dict[str, str]] = {"modes": "frequencies_Hz"}
 
     scenario: Name | None = None
     """The scenario that it belongs to; needed where there are several."""
     frequencies_Hz: List[Annotated[float, positive(1e4, "Hz")]] = ()
     """Natural frequencies, each beside the nearest mode at the first speed of analysis = "stability"."""
+    modes: List[Annotated[str, text('the name of a mode such as "carbody vertical"')]] = ()
+    """Names of these modes in the result; without them the nearest ones are taken: safe where modes are few."""
     summary: Annotated[str, text('a place in summary.json such as "linear_critical_speed_kmh"')] | None = None
     """Number of summary.json, by its place with dots between."""
     value: Annotated[float, number()] | None = None
     """What was measured of it."""
     noise: Annotated[float, positive()]
     """Standard deviation of what was measured."""
+
+    def consistency(self) -> Iterator[Fault]:
+        if self.modes and len(self.modes) != len(self.frequencies_Hz):
+            yield Fault("modes", f"has {len(self.modes)} names for {len(self.frequencies_Hz)} frequencies")
 
 
 class CalibrationFile(CandidatesFile, header="a calibration"):
