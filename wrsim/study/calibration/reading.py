@@ -25,6 +25,8 @@ MARGIN = 0.05
 """Part of a series at each end that is left out where its shift is looked for, at most."""
 FARTHEST = 1e3
 """Distance of a mode of another name, in logarithms of frequencies."""
+LAST, FEW = 2.5, 20
+"""Steps at each end that are left out of a series, of more samples than a few."""
 ACROSS = {"distance": "Distance along the track [m]", "time": "Time [s]", "pose": "Pose"}
 
 
@@ -76,6 +78,8 @@ class Calibration:
             for pair in pairs(results[name].dataset, record, shifts[name].value):
                 place, values = _part(pair, pair.measured, shifts[name].value)
                 margin = min(record.search, MARGIN * float(np.ptp(place)))
+                if record.axis != "pose" and place.size > FEW:  # runs end a sample earlier or later
+                    margin = max(margin, LAST * float(np.median(np.diff(place))))
                 kept = (place >= place[0] + margin) & (place <= place[-1] - margin)
                 if pair.series.section.fit == "series":
                     place, values = place[kept], values[kept]
