@@ -7,6 +7,7 @@ from wrsim.api.analyses import assess as assess
 from wrsim.api.analyses import diff as diff
 from wrsim.api.analyses import ride as ride
 from wrsim.api.analyses import spectra as spectra
+from wrsim.api.data import dataset as dataset
 from wrsim.api.data import export as export
 from wrsim.api.data import keys as keys
 from wrsim.api.data import new_file as new_file

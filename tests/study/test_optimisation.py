@@ -8,17 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.commands import ok
-from support.functions import search_file, work_of
+from support.functions import POSE, search_file, work_of
 from support.rows import rows_of
 from support.runs import SCENARIOS
 
+from wrsim.contact.profiles.models import load_profile
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, load
-from wrsim.scenario.vehicle_build import vehicle_of
+from wrsim.scenario.vehicle_build import given_value, vehicle_of
 from wrsim.study.candidates import Work
-from wrsim.study.changed_files import changes_vehicle, write_scenario, write_vehicle
+from wrsim.study.changed_files import changed_in, write_scenario, write_vehicle, write_wheel
 from wrsim.study.collect import read_study
 from wrsim.study.optimisation.outcome import history, limits, multipliers, neighbours, status_of
 from wrsim.study.optimisation.reading import read_optimisation
@@ -221,7 +222,31 @@ def test_files_of_changed_values_read_back_as_the_scenario_that_was_changed(tmp_
     read = load(file)
     assert file.read_text().startswith("# found by hand\n")
     assert read.merged.data | {"title": ""} == wanted.merged.data | {"title": ""}
-    assert changes_vehicle(changes)
+    assert changed_in(changes, "changes") and not changed_in(changes, "wheel_changes")
     written = write_vehicle(tmp_path / "out" / "vehicle.toml", wanted)
     assert load_vehicle(written).elements == vehicle_of(wanted).elements
     assert '"../models/own.toml"' in written.read_text()
+
+
+def test_keys_of_a_wheel_profile_are_varied_and_written(tmp_path):
+    """A flanged wheel by its angle; of a worn one the depth of a bell: both are of the file, and reach the wheel."""
+    (tmp_path / "own.toml").write_text(
+        'name = "own"\nbody = "wheel"\nkind = "flanged"\ndate = 2026-01-31\nsource = "made up"\n'
+        "flange_angle_deg = 68\nflange_length_mm = 20\n"
+    )
+    (tmp_path / "pose.toml").write_text(POSE.replace("[track]", 'wheel = "own.toml"\n[track]'))
+    base, key = load(tmp_path / "pose.toml"), "vehicle.wheel_changes.flange_angle_deg"
+    assert given_value(base, key) == 68
+    changed = base.with_values({key: 74.0})
+    wheel = vehicle_of(changed).wheelsets[0].wheelset.left.profile
+    slopes = np.abs(wheel.slope_angle(np.linspace(0.0, wheel.length, 2000)))
+    assert np.degrees(slopes.max()) == pytest.approx(74.0, abs=1e-6)
+    written = write_wheel(tmp_path / "out" / "wheel.toml", changed)
+    assert load_profile(written, "wheel").length == pytest.approx(wheel.length, rel=1e-12)
+    worn = base.with_values({"vehicle.wheel": "wheels/S1002_worn.toml"})
+    bell = "vehicle.wheel_changes.removals[0].depth_mm"
+    assert isinstance(given_value(worn, bell), int | float)
+    deeper = vehicle_of(worn.with_values({bell: given_value(worn, bell) + 0.5}))
+    assert deeper.wheelsets[0].wheelset.left.profile != vehicle_of(worn).wheelsets[0].wheelset.left.profile
+    with pytest.raises(InputError, match=r"flange_angle = 70.*did you mean"):
+        vehicle_of(base.with_values({"vehicle.wheel_changes.flange_angle": 70}))

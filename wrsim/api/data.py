@@ -43,6 +43,32 @@ def export(
 
 
 @documented
+def dataset(
+    study: Annotated[str | Path, Argument("Folder of a study or an optimisation.", "STUDY", kind=Path)],
+    output: options.BesideResult = None,
+) -> Outcome:
+    """Labelled runs of a study for training: inputs, outputs, scenario digest, a row a case (dataset.parquet).
+
+    Returns
+    -------
+    Outcome
+        ``files`` has the table; ``value`` is the dataset of the study.
+
+    Raises
+    ------
+    InputError
+        For a folder without a study, and without pyarrow.
+    """
+    from wrsim.results import write_atomically
+    from wrsim.study.collect import read_study
+    from wrsim.study.labelled import as_parquet, labelled_table
+
+    runs, folder = read_study(Path(study)), folder_beside(Path(study), output)
+    file = write_atomically(folder / "dataset.parquet", as_parquet(runs))
+    return Outcome([labelled_table(runs)], {"rows": int(runs["status"].size)}, [file], runs)
+
+
+@documented
 def read_recording(
     file: Annotated[str | Path, Argument("Table of a recording (CSV).", "FILE")],
     output: Annotated[AnyPath, into("Folder for the files.", "DIR", default="<FILE>")] = None,

@@ -138,6 +138,7 @@ PANELS: dict[str, dict[str, Any]] = {
         "track": command(pages.draw_track, draws=DRAWS_ONE, reads="file"),
         "recording": command(data.read_recording, _columns, draws=DRAWS, reads="file columns"),
         "export": command(data.export, of="result"),
+        "dataset": command(data.dataset, of="study"),
         "fmu": command(data.write_unit, _step, reads="scenario", further=[STEP_MS]),
     },
 }

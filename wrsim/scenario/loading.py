@@ -285,6 +285,8 @@ def _checked(merged: Merged, path: Path | None, finder: Finder) -> Scenario:
 def own_path(dotted_key: str) -> KeyPath:
     """The path of a key in a scenario; what [vehicle] does not have is of the vehicle's file: ``vehicle.changes``."""
     path = key_path(dotted_key)
+    if path[:2] == ("vehicle", "wheel_changes") and len(path) > 2:  # keys of the profile's file are one text as well
+        return (*path[:2], dotted_key.split(".", 2)[2])
     if path[0] != "vehicle" or len(path) < 2 or path[1] in VehicleSection.model_fields:
         return path
     if len(path) == 2 and path[1] not in OF_FILES:

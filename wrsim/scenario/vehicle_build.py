@@ -7,7 +7,7 @@ from operator import methodcaller
 from pathlib import Path
 from typing import Any
 
-from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.profiles.models import changed_profile, load_profile
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.changes import full_path, key_path
 from wrsim.inputs.lines import KeyPath
@@ -41,12 +41,21 @@ def vehicle_tables(scenario: Scenario) -> dict[str, Any]:
     return scenario.read(("vehicle", "model"), scenario.spec.vehicle.model, reader)[0]
 
 
+def wheel_tables(scenario: Scenario) -> dict[str, Any]:
+    """The tables of the file of ``vehicle.wheel`` with what the scenario changes in it. Raises InputError."""
+    section = scenario.spec.vehicle
+    reader = partial(changed_profile, changes=section.wheel_changes)
+    return scenario.read(("vehicle", "wheel"), str(section.wheel), reader)[0]
+
+
 def given_value(scenario: Scenario, key: str) -> Any:
     """The value of a dotted key, in the scenario or in the vehicle's file; None where neither gives it."""
     path, tables = own_path(key), scenario.merged.data
     by_name = path[:2] == ("vehicle", "changes") and len(path) == 3
     if by_name:
         path, tables = key_path(str(path[2])), vehicle_tables(scenario)
+    elif path[:2] == ("vehicle", "wheel_changes") and len(path) == 3 and scenario.spec.vehicle.wheel:
+        path, tables = key_path(str(path[2])), wheel_tables(scenario)
     try:
         return value_at(tables, full_path(tables, path, by_name=by_name))
     except (InputError, LookupError, TypeError):
@@ -56,14 +65,18 @@ def given_value(scenario: Scenario, key: str) -> Any:
 def vehicle_of(scenario: Scenario) -> Vehicle:
     """The vehicle with what the scenario changes. Raises InputError."""
     section = scenario.spec.vehicle
-    reader = partial(load_vehicle, find=scenario.finder, changes=_changes_of(scenario))
-    vehicle = scenario.read(("vehicle", "model"), section.model, reader)
+    vehicle = scenario.read(
+        ("vehicle", "model"),
+        section.model,
+        partial(load_vehicle, find=scenario.finder, changes=_changes_of(scenario)),
+    )
     for side in SIDES:
         (key, name), (_, radius) = section.of_side("wheel", side), section.of_side("radius_mm", side)
         profile = None
         if name is not None:
             back = vehicle.wheelsets[0].wheelset.back
-            profile = scenario.read(("vehicle", key), name, partial(load_profile, kind="wheel", back=back))
+            reader = partial(load_profile, kind="wheel", back=back, changes=section.wheel_changes)
+            profile = scenario.read(("vehicle", key), name, reader)
         radius = radius / 1000.0 if radius else None
         with scenario.faults_at(("vehicle", key)):
             vehicle = vehicle.with_wheelsets(methodcaller("with_wheel", side, profile, radius))

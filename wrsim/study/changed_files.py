@@ -12,7 +12,7 @@ from wrsim.inputs.toml_files import write_toml
 from wrsim.results import write_atomically
 from wrsim.scenario.loading import Scenario, own_path
 from wrsim.scenario.merging import value_at
-from wrsim.scenario.vehicle_build import vehicle_tables
+from wrsim.scenario.vehicle_build import vehicle_tables, wheel_tables
 
 
 def write_scenario(
@@ -41,9 +41,15 @@ def write_vehicle(file: Path, scenario: Scenario, remarks: Sequence[str] = ()) -
     return _written(file, _moved(vehicle_tables(scenario), file, scenario.finder.beside(model)), remarks)
 
 
-def changes_vehicle(changes: Mapping[str, Any]) -> bool:
-    """Whether some of the keys are of the vehicle's file."""
-    return any(own_path(key)[:2] == ("vehicle", "changes") for key in changes)
+def write_wheel(file: Path, scenario: Scenario, remarks: Sequence[str] = ()) -> Path:
+    """The file of the wheel's profile with all that the scenario changes in it."""
+    wheel = scenario.find(("vehicle", "wheel"), str(scenario.spec.vehicle.wheel))
+    return _written(file, _moved(wheel_tables(scenario), file, scenario.finder.beside(wheel)), remarks)
+
+
+def changed_in(changes: Mapping[str, Any], table: str) -> bool:
+    """Whether some of the keys are of the vehicle's file (table "changes") or of the wheel's ("wheel_changes")."""
+    return any(own_path(key)[:2] == ("vehicle", table) for key in changes)
 
 
 def _moved(value: Any, file: Path, finder: Finder) -> Any:

@@ -4,11 +4,11 @@ The TOML file names the body (wheel or rail), its source and the kind of its sha
 docs/user/profiles.md); the kinds that start from another profile or from points are here.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -26,7 +26,8 @@ from wrsim.contact.profiles.placing import check_tread
 from wrsim.contact.profiles.profile import Kind, Profile
 from wrsim.contact.profiles.wear import AnyRemoval, DepthTable, Direction, Removal, worn
 from wrsim.errors import InputError, in_one_line
-from wrsim.inputs.checking import check_section, opened, refuse_other_kind
+from wrsim.inputs.changes import changed, full_path, key_path
+from wrsim.inputs.checking import Locate, check_section, opened, refuse_other_kind
 from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section, kinds_in
@@ -166,7 +167,9 @@ class _AnyFile(Section, header="a profile file"):
     kind: Literal[*FILE_KINDS]  # type: ignore[valid-type]
 
 
-def load_profile(path: str | Path, kind: Kind | None = None, back: float | None = None) -> Profile:
+def load_profile(
+    path: str | Path, kind: Kind | None = None, back: float | None = None, changes: Mapping[str, Any] | None = None
+) -> Profile:
     """Read a wheel or rail profile.
 
     Parameters
@@ -178,6 +181,8 @@ def load_profile(path: str | Path, kind: Kind | None = None, back: float | None 
         Only two columns without a header of wrsim need it; where a file has it, it must be the same.
     back : float, optional
         Distance of a wheel's flange back from its tape circle [m], where its file does not state it; 70 mm.
+    changes : mapping, optional
+        Values of a TOML file to be changed, by dotted keys: ``{"pieces[1].radius_mm": 14}``.
 
     Returns
     -------
@@ -190,15 +195,17 @@ def load_profile(path: str | Path, kind: Kind | None = None, back: float | None 
         With all faults of a TOML file at once: file, line, key, value, what is allowed.
     """
     with reading_as({"wheel": {"usual_back": back}}):
-        return load_reading(path, kind).profile
+        return load_reading(path, kind, changes).profile
 
 
-def load_reading(path: str | Path, kind: Kind | None = None) -> Reading:
+def load_reading(path: str | Path, kind: Kind | None = None, changes: Mapping[str, Any] | None = None) -> Reading:
     """Read a wheel or rail profile with the points that it is made from, if any. As `load_profile`."""
     path = model_file(path)
     if path.suffix.lower() != ".toml":
+        if changes:
+            raise InputError(f"{path}: is a file of points; changes are for keys of a profile file (TOML)")
         return read_points(path, kind)
-    model = read_profile_file(path, kind)
+    model = read_profile_file(path, kind, changes)
     if isinstance(model, PointsFile):
         return model.reading(path)  # names the file of points
     try:
@@ -256,9 +263,20 @@ def readings_of(
     return readings, tuple(faults)
 
 
-def read_profile_file(path: Path, kind: Kind | None) -> ProfileFile:
-    """What a TOML file says of a profile. Raises InputError."""
+def changed_profile(path: Path, changes: Mapping[str, Any]) -> tuple[dict[str, Any], Locate]:
+    """Tables of a profile file with some values changed, and what locates keys. Raises InputError."""
     data, locate = opened(path, "profile file")
+    for key, value in changes.items():
+        try:
+            data = changed(data, full_path(data, key_path(key), by_name=False), value)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+    return data, locate
+
+
+def read_profile_file(path: Path, kind: Kind | None, changes: Mapping[str, Any] | None = None) -> ProfileFile:
+    """What a TOML file says of a profile, with some values changed. Raises InputError."""
+    data, locate = changed_profile(path, changes or {})
     if "kind" not in data:
         refuse_other_kind(AnyProfileFile, data, locate)
     file_kind = check_section(_AnyFile, {k: v for k, v in data.items() if k == "kind"}, locate).kind

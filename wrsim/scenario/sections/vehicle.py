@@ -113,12 +113,18 @@ class VehicleSection(Section, header="[vehicle]"):
     frame of constant speed, if there are any ("free", the default of a single wheelset).
     """
 
+    goes_with = {"wheel_changes": "wheel wheel_left wheel_right"}
+
     model: Annotated[str, text('a vehicle file such as "vehicles/wheelset_s1002.toml"')]
     """File of the vehicle, or of a single wheelset."""
     speed_kmh: OrTable[Speed, SpeedTable] | None = None
     """Speed along the track, or a table of it; needed by analyses that run."""
     wheel: WheelName | None = None
     """Profile of all wheels in place of that in the vehicle file."""
+    wheel_changes: Annotated[
+        dict[str, Any], Field(description='a table such as {flange_angle_deg = 70, "removals[0].depth_mm" = 0.2}')
+    ] = Field(default_factory=dict)
+    """Values of the file of `wheel` that are changed: keys of a profile file."""
     wheel_left: WheelName | None = None
     """Profile of the left wheels in place of that in the vehicle file."""
     wheel_right: WheelName | None = None

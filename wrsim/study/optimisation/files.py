@@ -10,17 +10,17 @@ from wrsim.results import write_atomically
 from wrsim.results.files import STUDY, as_csv, as_json
 from wrsim.results.netcdf import write_netcdf
 from wrsim.study.candidates import ONLY
-from wrsim.study.changed_files import changes_vehicle, write_scenario, write_vehicle
+from wrsim.study.changed_files import changed_in, write_scenario, write_vehicle, write_wheel
 from wrsim.study.optimisation.search import Search
 from wrsim.study.plan import in_words
 
 REPORT, HISTORY, PAGE = "optimisation.json", "history.csv", "optimisation.html"
-BEST, VEHICLE = "best", "best_vehicle.toml"
+BEST, VEHICLE, WHEEL = "best", "best_vehicle.toml", "best_wheel.toml"
 
 
 def written_names(names: Sequence[str]) -> tuple[str, ...]:
     """Files in the folder of an optimisation with scenarios of these names."""
-    return (STUDY, REPORT, HISTORY, PAGE, VEHICLE, *map(_best_file, names))
+    return (STUDY, REPORT, HISTORY, PAGE, VEHICLE, WHEEL, *map(_best_file, names))
 
 
 def _best_file(name: str) -> str:
@@ -46,6 +46,9 @@ def write_optimisation(search: Search, dataset: xr.Dataset, report: dict[str, An
     for scenario in candidates.scenarios:
         title = f"{scenario.base.title}, optimised"
         files.append(write_scenario(folder / _best_file(scenario.name), scenario.base, changes, title, remarks))
-    if changes_vehicle(changes):
-        files.append(write_vehicle(folder / VEHICLE, candidates.scenarios[0].base.with_values(changes), remarks))
+    first = candidates.scenarios[0].base.with_values(changes)
+    if changed_in(changes, "changes"):
+        files.append(write_vehicle(folder / VEHICLE, first, remarks))
+    if changed_in(changes, "wheel_changes"):
+        files.append(write_wheel(folder / WHEEL, first, remarks))
     return files
