@@ -17,7 +17,7 @@ from wrsim.results.table import Column, Table, as_records, as_rows, formatted, q
 from wrsim.study.calibration.fit import Fit
 from wrsim.study.calibration.intervals import NARROWER, TOGETHER, Knowledge
 from wrsim.study.candidates import ONLY
-from wrsim.study.changed_files import changes_vehicle, write_scenario, write_vehicle
+from wrsim.study.changed_files import changed_in, write_scenario, write_vehicle
 
 REPORT, TABLE, PAGE, VEHICLE = "calibration.json", "calibration.csv", "calibration.html", "calibrated_vehicle.toml"
 
@@ -182,6 +182,6 @@ class Calibrated:
         for scenario in candidates.scenarios:
             title = f"{scenario.base.title}, calibrated"
             files.append(write_scenario(folder / _file_of(scenario.name), scenario.base, changes, title, remarks))
-        if changes_vehicle(changes):
+        if changed_in(changes, "changes"):
             files.append(write_vehicle(folder / VEHICLE, candidates.scenarios[0].base.with_values(changes), remarks))
         return files
