@@ -52,15 +52,17 @@ def status_of(judged: Judged) -> str:
 
 
 def neighbours(search: Search) -> list[Neighbour]:
-    """Candidates beside the best one along every key; one that is better becomes the best one."""
+    """Candidates beside the best one along every key; one that is better becomes the best one.
+
+    None where that goes on: then slopes would be those of another candidate."""
     for _ in range(ROUNDS):
         best = search.best()
         rows = list(_beside(search, search.point(best)))
         judged = search.evaluate([point for _, _, point in rows])
         beside = [Neighbour(key, distance, one) for (key, distance, _), one in zip(rows, judged, strict=True)]
         if search.best() is best:
-            break
-    return beside
+            return beside
+    return []
 
 
 def _beside(search: Search, point: Sequence[float]) -> Iterator[tuple[int, float, list[float]]]:
@@ -81,6 +83,8 @@ def limits(search: Search, beside: Sequence[Neighbour]) -> list[str]:
     if not best.feasible:
         return ["no candidate keeps all constraints" if best.complete else "no candidate has a result"]
     lines = []
+    if not beside:
+        lines.append("not converged: candidates beside it are better; allow more evaluations")
     for n in beside:
         varied = search.optimisation.candidates.varied[n.key]
         values = (in_words(one.candidate.values[n.key]) for one in (best, n.judged))
