@@ -21,14 +21,23 @@ from wrsim.scenario.vehicle_build import given_value, vehicle_of
 from wrsim.study.candidates import Work
 from wrsim.study.changed_files import changed_in, write_scenario, write_vehicle, write_wheel
 from wrsim.study.collect import read_study
-from wrsim.study.optimisation.outcome import history, limits, multipliers, neighbours, status_of
+from wrsim.study.optimisation.outcome import (
+    history,
+    limits,
+    multipliers,
+    neighbours,
+    optimisation_report,
+    optimisation_tables,
+    status_of,
+)
 from wrsim.study.optimisation.reading import read_optimisation
 from wrsim.study.optimisation.search import Search
 from wrsim.study.plan import Plan
 from wrsim.study.task import COMPLETED, DERAILED
 from wrsim.vehicle.vehicle_files import load_vehicle
 
-MODELS = SCENARIOS.parent / "models"
+ROOT = SCENARIOS.parent
+MODELS = ROOT / "models"
 
 TWO_KEYS = """
 [[vary]]
@@ -177,6 +186,8 @@ def test_the_front_of_two_objectives_is_the_curve_between_their_optima(tmp_path)
     detour = np.sqrt(costs).sum(axis=1) / 2.0**0.5 - 1.0
     assert detour.min() > -1e-12 and np.median(detour) < 0.01 and detour.max() < 0.1  # between two ceilings
     assert costs[:, 0].min() < 1e-3 and costs[:, 1].min() < 1e-3
+    report = optimisation_report(search, [])
+    assert report["limits"] == [] and "What limits it" not in optimisation_tables(report)
 
 
 @pytest.mark.parametrize(("text", "message"), rows_of(__file__)("faults_of_the_file"))
@@ -250,3 +261,19 @@ def test_keys_of_a_wheel_profile_are_varied_and_written(tmp_path):
     assert deeper.wheelsets[0].wheelset.left.profile != vehicle_of(worn).wheelsets[0].wheelset.left.profile
     with pytest.raises(InputError, match=r"flange_angle = 70.*did you mean"):
         vehicle_of(base.with_values({"vehicle.wheel_changes.flange_angle": 70}))
+
+
+@pytest.mark.campaign
+def test_the_damping_of_a_body_over_waves_is_that_of_the_closed_form(tmp_path: Path) -> None:
+    """A mass m on springs k and a damper c over waves of amplitude z at frequencies w: the mean square acceleration is
+    (z w^2)^2 / 2 (k^2 + c^2 w^2) / ((k - m w^2)^2 + c^2 w^2); the derivative of the sum over two w vanishes."""
+    mass, stiffness, speeds, length = 8000.0, 4e5, np.array([37.7952, 85.0392]) / 3.6, 31 * 0.3048
+    w = 2.0 * np.pi * speeds / length
+    dynamic, squares = (stiffness - mass * w * w) ** 2, w**4
+    slope = np.sqrt(squares * w * w * np.abs(dynamic - stiffness**2))
+    damping = np.sqrt((slope[0] * dynamic[1] - slope[1] * dynamic[0]) / (slope[1] * w[0] ** 2 - slope[0] * w[1] ** 2))
+    ok("optimise", ROOT / "tests/data/two_mass/damping.toml", "-o", tmp_path / "found", "--no-pictures", "-q")
+    report = json.loads((tmp_path / "found/optimisation.json").read_text())
+    (found,) = report["best"]["values"].values()
+    assert 4.0 * 1e3 * found == pytest.approx(damping, rel=1e-3)
+    assert report["evaluations"] <= 200

@@ -149,7 +149,7 @@ def optimisation_report(search: Search, beside: Sequence[Neighbour]) -> dict[str
         "end": search.ends,
         "start": _record(optimisation, start),
         "best": _record(optimisation, best),
-        "limits": limits(search, beside),
+        "limits": limits(search, beside) if optimisation.spec.search.front is None else [],
         "sensitivity": [
             {
                 "key": optimisation.candidates.varied[n.key].keys[0],
@@ -247,8 +247,9 @@ def optimisation_tables(report: dict[str, Any]) -> dict[str, Table]:
     told = f"{report['evaluations']} candidates ({counts}); {'; '.join(dict.fromkeys(report['end']))}"
     tables = {
         "Best candidate": Table(report["title"], heads, [*keys, *numbers, *costs], (told,)),
-        "What limits it": Table("", notes=tuple(report["limits"])),
     }
+    if report["limits"]:
+        tables["What limits it"] = Table("", notes=tuple(report["limits"]))
     rows = [
         (
             each["key"],
