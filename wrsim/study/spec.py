@@ -40,7 +40,8 @@ def _values(value: Any) -> Any:
     if not isinstance(value, list | tuple | dict):
         raise refuse(f"must be {VALUES}")
     if isinstance(value, dict):  # 0.3 and not 0.30000000000000004, so that it is the same case as one of a list
-        return tuple(v if isinstance(v, int) else float(f"{v:.12g}") for v in spread(value))
+        whole = all(isinstance(v, int) for v in value.values())
+        return tuple(round(v) if whole else float(f"{v:.12g}") for v in spread(value))
     return value
 
 
