@@ -46,6 +46,7 @@ from wrsim.study.cluster import (
 from wrsim.study.collect import collected, markers_of, rows_of_cases
 from wrsim.study.engine import _note_killed, execute, missing
 from wrsim.study.plan import PLAN, Plan, planned
+from wrsim.study.spec import GridAxis
 from wrsim.study.task import Marker, compile_for, run_case
 
 
@@ -298,6 +299,13 @@ def test_faults_of_hooks_and_outputs_that_cannot_be_had_are_told(serial, tmp_pat
     plan = plan_of(study_file(tmp_path, more=more), tmp_path / "out")
     with pytest.raises(InputError, match=r"\"Q_maxx_kN\" is not in the summary; there is .*did you mean 'Q_max_kN'"):
         execute(workers, plan, missing(plan))
+
+
+def test_a_range_varies_keys_of_whole_numbers_too_and_has_the_values_of_a_list() -> None:
+    for ends, values in (((1, 3, 1), [1, 2, 3]), ((0.1, 0.3, 0.1), [0.1, 0.2, 0.3])):
+        given = dict(zip(("from", "to", "step"), ends, strict=True))
+        axis = GridAxis.model_validate({"kind": "grid", "key": "a.b", "values": given})
+        assert list(map(repr, axis.values)) == list(map(repr, values))
 
 
 def test_samples_are_the_same_for_the_same_seed_and_fill_their_ranges(tmp_path: Path) -> None:
