@@ -109,7 +109,7 @@ def test_pictures_have_the_width_the_font_and_the_kinds_that_are_chosen(one, tmp
 
 
 DRAWING = {"run", "study", "wear", "compare", "resolve", "plot", "diff", "assess", "ride", "spectra"}
-DRAWING |= {"conicity", "recording"}
+DRAWING |= {"conicity", "recording", "optimise", "validate", "calibrate"}
 NAMED = {"profile", "track", "vehicle"}
 """Commands whose pictures are named as a whole: the ending is their kind."""
 
