@@ -43,7 +43,9 @@ class Formula:
             vary=keys, confidence_percent=90.0, intervals="linear", iterations=30, **(more or {})
         )
         varied = [Varied(k.key, k.key[0], k.low, k.high, k.start, k.spacing == "log") for k in keys]
-        self.candidates = SimpleNamespace(varied=varied, evaluated=self.evaluated, title="formula")
+        self.candidates = SimpleNamespace(
+            varied=varied, evaluated=self.evaluated, values=lambda point: tuple(map(float, point)), title="formula"
+        )
         place = np.arange(measured.size, dtype=float)
         self.target = Target("series", "run", 0, place, measured, noise, True)
 

@@ -18,9 +18,9 @@ from wrsim.inputs.toml_files import read_bytes
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.vehicle_build import given_value, vehicle_of
-from wrsim.study.candidates import Work
 from wrsim.study.changed_files import changed_in, write_scenario, write_vehicle, write_wheel
 from wrsim.study.collect import read_study
+from wrsim.study.engine import Work
 from wrsim.study.optimisation.outcome import (
     history,
     limits,

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from wrsim.study.candidates import Work
+from wrsim.study.engine import Work
 from wrsim.study.plan import Plan
 from wrsim.study.task import COMPLETED, Marker, write_marker
 

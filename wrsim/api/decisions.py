@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Unpack
+from typing import TYPE_CHECKING, Annotated, Unpack
 
 from wrsim.api import options
 from wrsim.api.options import Argument, Computing, Option, documented
@@ -71,43 +71,26 @@ def optimise(
             beside = neighbours(search) if optimisation.spec.search.front is None else []
         report, dataset = optimisation_report(search, beside), history(search)
         files = written.write_optimisation(search, dataset, report, computation.directory)
-        tables, makers = optimisation_tables(report), optimisation_figures(dataset)
-        found = search.best().feasible
+        tables = optimisation_tables(report)
+        makers = optimisation_figures(dataset, [one["number"] for one in report.get("front", [])])
+        shown = makers if pictures else {}
+        feasible = search.best().feasible
         texts = {f"Scenario {each.name}": each.base.text for each in candidates.scenarios}
         texts = {"Optimisation": candidates.given.text} | texts
         sentence = verdict_words(report)
-        page = verdict_page(candidates.title, optimisation.summary, tables, NOTES, sentence, found, texts, makers)
+        page = verdict_page(candidates.title, optimisation.summary, tables, NOTES, sentence, feasible, texts, shown)
         files.append(write_atomically(computation.directory / written.PAGE, page.encode()))
         files += save_all(makers, computation.directory) if pictures else []
-    code = 0 if found else STOPPED
+    code = 0 if feasible else STOPPED
     return Outcome(list(tables.values()), report | {"exit_code": code}, files, dataset, code, computation.directory)
 
 
 def _cost(optimisation: Optimisation, at_once: int) -> Outcome:
     """Scenarios, candidates and the time that they will take."""
-    from wrsim.analysis import between
-    from wrsim.analysis.run_times import SPREAD
-    from wrsim.results.table import Column, Table
-    from wrsim.study.collect import markers_of
-    from wrsim.study.engine import missing
-    from wrsim.study.estimate import START, time_of_cases
+    from wrsim.study.estimate import estimated_search
 
-    candidates, rows, total = optimisation.candidates, [], 0.0
+    candidates = optimisation.candidates
     most = optimisation.spec.search.evaluations + 2 * len(candidates.varied)
-    for scenario in candidates.scenarios:
-        plan, _ = candidates.plan(scenario, [candidates.values(candidates.start)])
-        each, source = time_of_cases(plan, missing(plan), markers_of(plan))
-        rows.append((scenario.name, scenario.base.title, each, source))
-        total += each * most / at_once
-    total += START
-    heads = (Column("scenario"), Column("title"), Column("one case", "s", ".3g"), Column("from"))
-    notes = (
-        f"at most {most} candidates, {len(rows) * most} cases, {at_once} at once",
-        f"all of it takes at most {between([total / SPREAD, total * SPREAD])}",
-    )
-    table = Table(candidates.title, heads, rows, notes)
-    numbers: dict[str, Any] = {
-        "candidates": most, "cases": len(rows) * most, "of_all_s": total,
-        "of_one_case_s": {row[0]: row[2] for row in rows},
-    }  # fmt: skip
+    told = f"at most {most} candidates, {len(candidates.scenarios) * most} cases, {at_once} at once"
+    numbers, table = estimated_search(candidates, most, at_once, 0, told, "at most {}")
     return Outcome([table], numbers, value=optimisation)

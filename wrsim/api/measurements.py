@@ -56,7 +56,7 @@ def validate(
         with timed("differences"):
             compared = read.compared(markers)
             rows, assessed = validation.judged(compared)
-            passed, words = validation.verdict(rows)
+            passed, sentence = validation.verdict(rows)
             notes = validation.basis(compared, rows, assessed)
             tables = [validation.judged_table(rows), validation.series_table(compared)]
             sections = validation.sections_table(rows)
@@ -67,17 +67,17 @@ def validate(
                 c.record.name: str(c.model.dataset.attrs["scenario_text"]) for c in compared
             }
             page = verdict_page(
-                read.given.spec.title, summary, shown, notes, words, passed, texts, makers if pictures else {}
+                read.given.spec.title, summary, shown, notes, sentence, passed, texts, makers if pictures else {}
             )
             numbers = {
-                "title": read.given.spec.title, "passed": passed, "verdict": words, "notes": notes,
+                "title": read.given.spec.title, "passed": passed, "verdict": sentence, "notes": notes,
                 "shifts": {c.record.name: {"value": c.shift.value, "unit": c.record.unit} for c in compared},
                 "differences": as_records(tables[0]), "series": as_records(tables[1]),
             }  # fmt: skip
             files = validation.write_validation(computation.directory, numbers, sections, page)
         files += save_all(makers, computation.directory) if pictures else []
     code = 0 if passed else 4
-    end = Table("", notes=(*(f"note: {note}" for note in notes), words))
+    end = Table("", notes=(*(f"note: {note}" for note in notes), sentence))
     return Outcome([*tables, end], numbers | {"exit_code": code}, files, rows, code, computation.directory)
 
 
@@ -133,40 +133,27 @@ def calibrate(
         files = ", ".join(record.file.name for record in calibration.records.values())
         summary = f"{candidates.title}. Fitted in {', '.join(names)} to {files or 'measured numbers'}."
         page = verdict_page(
-            candidates.title, summary, {t.title: t for t in tables}, notes, calibrated.words, fit.converged, texts,
+            candidates.title, summary, {t.title: t for t in tables}, notes, calibrated.sentence, fit.converged, texts,
             makers if pictures else {},
         )  # fmt: skip
         written = calibrated.write(computation.directory, page)
         written += save_all(makers, computation.directory) if pictures else []
     code = 0 if fit.converged else STOPPED
-    end = Table("", notes=(*(f"note: {note}" for note in notes), calibrated.words))
+    end = Table("", notes=(*(f"note: {note}" for note in notes), calibrated.sentence))
     return Outcome([*tables, end], numbers | {"exit_code": code}, written, calibrated, code, computation.directory)
 
 
 def _cost(computation: _Computation, calibration: Calibration) -> Outcome:
     """Candidates and the time that they will take."""
-    from wrsim.analysis import between
-    from wrsim.analysis.run_times import SPREAD
-    from wrsim.results.table import Column, Table
-    from wrsim.study.collect import markers_of
-    from wrsim.study.engine import missing
-    from wrsim.study.estimate import START, time_of_cases
+    from wrsim.study.estimate import estimated_search
     from wrsim.system import processors
 
-    candidates, rows, total = calibration.candidates, [], 0.0
-    steps = 4 + len(candidates.varied)
-    count = steps * (1 + len(candidates.varied)) + 2 * len(candidates.varied)
-    at_once = min(computation.workers or processors(), len(candidates.varied))
-    for scenario in candidates.scenarios:
-        plan, _ = candidates.plan(scenario, [candidates.values(candidates.start)])
-        each, source = time_of_cases(plan, missing(plan), markers_of(plan))
-        rows.append((scenario.name, scenario.base.title, each, source))
-        total += each * (steps + (count - steps) / at_once)
-    total += START
-    heads = (Column("scenario"), Column("title"), Column("one case", "s", ".3g"), Column("from"))
-    notes = (
-        f"about {count} candidates for {len(candidates.varied)} keys, of which {steps} run alone",
-        f"all of it takes about {between([total / SPREAD, total * SPREAD])}; what is known already does not run again",
-    )
-    numbers = {"candidates": count, "of_all_s": total, "of_one_case_s": {row[0]: row[2] for row in rows}}
-    return Outcome([Table(candidates.title, heads, rows, notes)], numbers, value=calibration)
+    candidates = calibration.candidates
+    keys = len(candidates.varied)
+    steps = 4 + keys
+    count = steps * (1 + keys) + 2 * keys
+    told = f"about {count} candidates for {keys} keys, of which {steps} run alone"
+    total_told = "about {}; what is known already does not run again"
+    at_once = min(computation.workers or processors(), keys)
+    numbers, table = estimated_search(candidates, count, at_once, steps, told, total_told)
+    return Outcome([table], numbers, value=calibration)

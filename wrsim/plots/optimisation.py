@@ -1,6 +1,6 @@
 """Pictures of an optimisation: how the costs fell, where the keys went, the Pareto front."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -20,11 +20,11 @@ HEIGHT, MOST_KEYS = 40.0, 6
 """Height of a panel [mm]; keys that are drawn."""
 
 
-def optimisation_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
-    """Makers of the pictures of a history of candidates, by name."""
+def optimisation_figures(dataset: xr.Dataset, front: Sequence[int]) -> dict[str, Callable[[], Figure]]:
+    """Makers of the pictures of a history of candidates, by name. front: numbers of those on it, by the first cost."""
     makers: dict[str, Callable[[], Figure]] = {"history": partial(history_figure, dataset)}
     if "cost_2" in dataset:
-        makers["front"] = partial(front_figure, dataset)
+        makers["front"] = partial(front_figure, dataset, front)
     return makers
 
 
@@ -50,18 +50,16 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     return panels(dataset.attrs["title"], draws, HEIGHT * len(draws), legend=_legend("best so far"))
 
 
-def front_figure(dataset: xr.Dataset) -> Figure:
+def front_figure(dataset: xr.Dataset, front: Sequence[int]) -> Figure:
     """All candidates over both costs, and the front."""
     x, y = (_shown(dataset, name) for name in ("cost_1", "cost_2"))
-    costs = dataset["cost_1"].values, dataset["cost_2"].values
     kept = (dataset["status"] == COMPLETED).values
-    order = [i for i in np.lexsort((costs[1], costs[0])) if kept[i]]
-    front = [i for k, i in enumerate(order) if not k or costs[1][i] < costs[1][order[:k]].min()]
+    best = [number - 1 for number in front]
 
     def draw(axes: Axes) -> None:
         axes.plot(x[~kept], y[~kept], color=STOP_COLOUR, **DOT)
         axes.plot(x[kept], y[kept], color=SERIES_COLOURS[0], **DOT)
-        axes.plot(x[front], y[front], color=INK, linewidth=0.8, marker="o", markersize=3.0)
+        axes.plot(x[best], y[best], color=INK, linewidth=0.8, marker="o", markersize=3.0)
         axes.set(xlabel=_label(dataset, "cost_1"), ylabel=_label(dataset, "cost_2"))
         if kept.any():
             _limit(axes, y[kept])

@@ -6,7 +6,7 @@ the same workers, known again by their markers. So every case runs once, and a s
 again meets the same numbers.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from math import exp, log
@@ -23,13 +23,11 @@ from wrsim.results import Result
 from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.vehicle_build import given_value, vehicle_of
 from wrsim.study.axes import AxisPoints
-from wrsim.study.engine import missing
+from wrsim.study.engine import Work, missing
 from wrsim.study.plan import FileInput, Plan, Refused, in_words, with_cases
 from wrsim.study.spec import CasesSection, Keys, Name, OutputsSection, short_name
 from wrsim.study.task import COMPLETED, RESULT, Marker, read_marker
 
-Work = Callable[[Plan, Sequence[int]], None]
-"""Writes a plan into its folder and runs some of its cases to their markers."""
 SCENARIOS, ONLY = "scenarios", "scenario"
 """Folder of the scenarios; name of a scenario that is the only one."""
 REFUSED = "refused"

@@ -13,6 +13,35 @@ from wrsim.results import write_atomically
 from wrsim.scenario.loading import Scenario, own_path
 from wrsim.scenario.merging import value_at
 from wrsim.scenario.vehicle_build import vehicle_tables, wheel_tables
+from wrsim.study.candidates import ONLY, Candidates
+
+
+def file_names(kind: str, scenarios: Sequence[str]) -> tuple[str, ...]:
+    """Names of the files of `write_changed`."""
+    return (f"{kind}_vehicle.toml", f"{kind}_wheel.toml", *(_scenario_file(kind, name) for name in scenarios))
+
+
+def write_changed(
+    folder: Path, kind: str, candidates: Candidates, values: Sequence[Any], done: str, remarks: Sequence[str]
+) -> list[Path]:
+    """The scenarios with values that were found, and the files of vehicle and wheel in which they change something.
+
+    kind: first word of the names of the files; done: what was done to a scenario, for its title."""
+    changes, scenarios = candidates.changes(values), candidates.scenarios
+    files = []
+    for scenario in scenarios:
+        place, title = folder / _scenario_file(kind, scenario.name), f"{scenario.base.title}, {done}"
+        files.append(write_scenario(place, scenario.base, changes, title, remarks))
+    first = scenarios[0].base.with_values(changes)
+    if changed_in(changes, "changes"):
+        files.append(write_vehicle(folder / f"{kind}_vehicle.toml", first, remarks))
+    if changed_in(changes, "wheel_changes"):
+        files.append(write_wheel(folder / f"{kind}_wheel.toml", first, remarks))
+    return files
+
+
+def _scenario_file(kind: str, name: str) -> str:
+    return f"{kind}.toml" if name == ONLY else f"{kind}_{name}.toml"
 
 
 def write_scenario(

@@ -22,6 +22,8 @@ from wrsim.system import processors
 LOGGER = logging.getLogger("wrsim.study")
 Bar = Callable[[], AbstractContextManager[Progress | None]]
 """Makes a progress bar, or none."""
+Work = Callable[[Plan, Sequence[int]], None]
+"""Writes a plan into its folder and runs some of its cases to their markers."""
 AT_HAND = 2
 """Cases that a worker has: the one it runs, and the next."""
 
@@ -183,7 +185,7 @@ def kept_folder(directory: Path, reads: Sequence[Path], force: bool, outputs: Se
 @contextmanager
 def worker_pool(
     count: int | None, scheduler: str | None, slurm: bool, tls: Path | None, most: int, progress: Bar
-) -> Iterator[Callable[[Plan, Sequence[int]], None]]:
+) -> Iterator[Work]:
     """A function that lets workers run cases of a plan; they start with its first call and stay until the end.
 
     count: of processes or jobs, None: the usual; most: cases that there may be at once; progress: a bar.

@@ -12,6 +12,7 @@ from wrsim.register import ANALYSES
 from wrsim.results.table import Column, Table
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
+from wrsim.study.candidates import Candidates
 from wrsim.study.collect import MOST_LISTED, markers_of
 from wrsim.study.engine import kinds, missing
 from wrsim.study.plan import Plan
@@ -84,3 +85,26 @@ def estimated_cost(plan: Plan, workers: int | None) -> tuple[dict[str, Any], Tab
     rows = [(c.name, c.label, m.status) for c, m in pairs[:MOST_LISTED]]
     table = Table(plan.title, (Column("case"), Column("values"), Column("state")), rows, tuple(notes))
     return {"cases": cases, "missing": len(todo), "time": expected}, table
+
+
+def estimated_search(
+    candidates: Candidates, count: int, at_once: int, alone: int, told: str, total_told: str
+) -> tuple[dict[str, Any], Table]:
+    """What a search will take: plain numbers with units in the keys; a table of the scenarios.
+
+    count: of candidates, of which ``alone`` run one after the other, the others so many at once; told: a note on the
+    candidates; total_told: a note on all of it, with {} for the time.
+    """
+    rows, total = [], START
+    for scenario in candidates.scenarios:
+        plan, _ = candidates.plan(scenario, [candidates.values(candidates.start)])
+        each, source = time_of_cases(plan, missing(plan), markers_of(plan))
+        rows.append((scenario.name, scenario.base.title, each, source))
+        total += each * (alone + (count - alone) / at_once)
+    heads = (Column("scenario"), Column("title"), Column("one case", "s", ".3g"), Column("from"))
+    notes = (told, f"all of it takes {total_told.format(between([total / SPREAD, total * SPREAD]))}")
+    numbers = {
+        "candidates": count, "cases": len(rows) * count, "of_all_s": total,
+        "of_one_case_s": {name: each for name, _, each, _ in rows},
+    }  # fmt: skip
+    return numbers, Table(candidates.title, heads, rows, notes)

@@ -25,18 +25,19 @@ from wrsim.plots.drawing import Makers
 from wrsim.plots.measurement import Panel, lines_figure, scatter_figure
 from wrsim.results import CHANNELS, Result, write_atomically
 from wrsim.results.files import as_csv, as_json
-from wrsim.results.table import Column, Table, as_rows, quantity, with_unit
+from wrsim.results.table import Column, Table, as_rows, with_unit
 from wrsim.scenario.loading import load
 from wrsim.study.measurement.alignment import (
     LINES,
     Pair,
     Shift,
     channel_of,
-    check_channels,
     densities,
     found_shift,
     overlap,
     pairs,
+    record_beside,
+    shift_notes,
     spectral_length,
 )
 from wrsim.study.measurement.reading import Record, read_record
@@ -108,8 +109,10 @@ class Validation:
                 why = "no result" if marker is None else f"{marker.status}: {marker.message}"
                 raise InputError(f"{record.name}: {why}; --retry runs it again")
             results.append(run if isinstance(run, Result) else Result.load(run.folder_of(run.cases[0]) / RESULT))
-        found = (found_shift(result.dataset, record) for result, record in zip(results, self.records, strict=True))
-        return [Compared.of(*each) for each in zip(results, self.records, found, strict=True)]
+        return [
+            Compared.of(result, record, found_shift(result.dataset, record))
+            for result, record in zip(results, self.records, strict=True)
+        ]
 
 
 def read_validation(file: Path, folder: Path, models: Sequence[str | Path]) -> Validation:
@@ -120,8 +123,8 @@ def read_validation(file: Path, folder: Path, models: Sequence[str | Path]) -> V
         records, runs = list[Record](), list[Result | Plan]()
         for i, each in enumerate(spec.scenario):
             sections = [s for s in spec.measured if s.scenario in (None, each.name)]
-            path = given.found("scenario", i, "file", name=str(each.file))
             if each.result is not None:
+                path = given.found("scenario", i, "file", name=str(each.file))
                 with given.naming("scenario", i, "result", value=each.result):
                     result = Result.load(
                         beside if (beside := file.parent / each.result).exists() else Path(each.result)
@@ -133,9 +136,7 @@ def read_validation(file: Path, folder: Path, models: Sequence[str | Path]) -> V
                 runs.append(result)
                 continue
             scenario = load(given.found("scenario", i, "base", name=str(each.base)), models)
-            kmh = scenario.spec.vehicle.speed_kmh
-            records.append(read_record(path, each.name, each, sections, kmh / 3.6 if isinstance(kmh, float) else None))
-            check_channels(scenario, records[-1])
+            records.append(record_beside(given, i, each.name, each, sections, scenario))
             plan = given.plan_of(
                 scenario, scenario.title, folder / "scenarios" / each.name, (), OutputsSection(), spec.cases
             )
@@ -199,17 +200,17 @@ def judged(compared: Sequence[Compared]) -> tuple[list[Judged], Assessment]:
     model, measured = (
         assess_runs([getattr(each, side) for each in compared], None, names, rules) for side in ("model", "measured")
     )
-    found: dict[str, list[Difference]] = {key: [] for key in ANNEX_T["limits"]}
+    differences: dict[str, list[Difference]] = {key: [] for key in ANNEX_T["limits"]}
     beside = {_key(value): value.value for value in measured.values}
     for value in model.values:
         key, zone, run = value.quantity.key, value.section.zone, value.section.run or names[0]
         no_curve = zone == STRAIGHT and key.endswith("_qst")
         other = beside.get(_key(value), np.nan)
-        if key not in found or zone == TRANSITION or no_curve or not of[run].is_measured(value):
+        if key not in differences or zone == TRANSITION or no_curve or not of[run].is_measured(value):
             continue
         if np.isfinite(value.value) and np.isfinite(other):
             factor = value.quantity.shown.factor
-            found[key].append(Difference(run, value, factor * value.value, factor * other))
+            differences[key].append(Difference(run, value, factor * value.value, factor * other))
     loads = [v for k, v in model.settings.items() if k.startswith("axle_load") and isinstance(v, float)]
     wheel_load = 0.5 * float(np.mean(loads))
 
@@ -217,7 +218,7 @@ def judged(compared: Sequence[Compared]) -> tuple[list[Judged], Assessment]:
         row = ANNEX_T["limits"][key]
         return float(row["value"] * (1.0 + row.get("per_kN", 0.0) * wheel_load))
 
-    return [Judged(key, tuple(rows), limit(key)) for key, rows in found.items() if rows], model
+    return [Judged(key, tuple(rows), limit(key)) for key, rows in differences.items() if rows], model
 
 
 def _key(value: Value) -> tuple[Any, ...]:
@@ -253,10 +254,10 @@ def sections_table(rows: Sequence[Judged]) -> Table:
         for row in rows
         for d in row.differences
     ]  # fmt: skip
-    words = ("quantity", "unit", "run", "section", "class", "from_m", "to_m", "wheelset", "wheel", "point", "model",
+    heads = ("quantity", "unit", "run", "section", "class", "from_m", "to_m", "wheelset", "wheel", "point", "model",
              "measured", "difference")  # fmt: skip
     forms = {"from_m": ".1f", "to_m": ".1f", "section": "d"}
-    return Table("", tuple(Column(w, "", forms.get(w, ".4g"), key=w) for w in words), body)
+    return Table("", tuple(Column(head, "", forms.get(head, ".4g"), key=head) for head in heads), body)
 
 
 def series_table(compared: Sequence[Compared]) -> Table:
@@ -301,15 +302,10 @@ def basis(compared: Sequence[Compared], rows: Sequence[Judged], model: Assessmen
     """What the verdict rests on: files, shifts, filters, sections, quantities that are lacking."""
     notes = []
     for each in compared:
-        record, shift = each.record, each.shift
-        how = "found by cross-correlation" if record.search else "as given"
-        place = quantity(shift.value, record.unit, ".2f" if record.axis == "distance" else ".4f")
-        words = f"shift {place} ({how}), correlation {shift.correlation:.3f}"
-        notes.append(f"{record.name}: {record.file.name} over {record.axis}, {words}")
-        if shift.at_end:
-            notes.append(f"{record.name}: the best shift lies at the end of the search: search farther")
+        record = each.record
+        notes += shift_notes(record, each.shift, f"{record.file.name} over {record.axis}")
     filters = {p.series.section.words: _filter_words(p) for each in compared for p in each.pairs}
-    notes += [f"{series}: {words}" for series, words in filters.items() if words]
+    notes += [f"{series}: {form}" for series, form in filters.items() if form]
     counted = [s for s in model.sections if s.zone != TRANSITION]
     zones = ", ".join(f"{sum(s.zone == z for s in counted)} {z}" for z in dict.fromkeys(s.zone for s in counted))
     short = sum(s.short for s in counted)
@@ -337,8 +333,8 @@ def verdict(rows: Sequence[Judged]) -> tuple[bool, str]:
     if red:
         return False, f"LIMITS EXCEEDED: {len(red)} of {len(rows)} quantities: {', '.join(red)}"
     few = max(row.sections for row in rows) < ANNEX_T["sections"]
-    words = f"{len(rows)} of {len(ANNEX_T['limits'])} quantities compared, each within its limits"
-    return True, words + f"; too few sections for a validation by {ANNEX_T['source']}" * few
+    sentence = f"{len(rows)} of {len(ANNEX_T['limits'])} quantities compared, each within its limits"
+    return True, sentence + f"; too few sections for a validation by {ANNEX_T['source']}" * few
 
 
 def write_validation(folder: Path, numbers: dict[str, Any], sections: Table, page: str) -> list[Path]:

@@ -18,7 +18,8 @@ from wrsim.errors import SimulationError
 from wrsim.results import Result
 from wrsim.results.moments import Array
 from wrsim.study.calibration.reading import Calibration, Target
-from wrsim.study.candidates import Candidate, Work
+from wrsim.study.candidates import Candidate
+from wrsim.study.engine import Work
 from wrsim.study.measurement.alignment import Shift
 
 STEP = 0.25
@@ -127,14 +128,13 @@ class Fit:
 
     def models(self, points: Sequence[Array]) -> list[list[Array] | None]:
         """Values of the targets at some points; None of a candidate without a result."""
-        found = []
-        for candidate in self.evaluated(points):
-            if candidate.values not in self._models:
+        rows = [self.calibration.candidates.values(self.values(u)) for u in points]
+        if new := {row: u for row, u in zip(rows, points, strict=True) if row not in self._models}:
+            for candidate in self.evaluated([*new.values()]):
                 results = _results(candidate)
                 model = self.calibration.model(results, self.targets) if results else None
                 self._models[candidate.values] = model
-            found.append(self._models[candidate.values])
-        return found
+        return [self._models[row] for row in rows]
 
     def residual(self, model: Sequence[Array], u: Array) -> Array:
         """Weighted residual of all targets and priors."""
@@ -221,20 +221,20 @@ class Fit:
         u, keys = self.start.copy(), len(self.scales)
         self.worst = float(np.linalg.norm(self.chi2(u)))
         for self.rounds in range(1, ROUNDS + 1):
-            found = least_squares(
+            solution = least_squares(
                 self.chi2, np.clip(u, *self.bounds), self.derivatives, self.bounds, xtol=TOLERANCE, ftol=TOLERANCE,
                 gtol=None, max_nfev=self.calibration.spec.iterations,
             )  # fmt: skip
-            moved = float(np.abs(found.x - u).max())
-            u, before = found.x, self.weights
+            moved = float(np.abs(solution.x - u).max())
+            u, before = solution.x, self.weights
             same = self._weigh(u, before, keys) or moved < STILL
-            words = ", ".join(
+            values = ", ".join(
                 f"{s.name} {v:.5g}" for s, v in zip(self.calibration.candidates.varied, self.values(u), strict=True)
             )
-            self.notify(f"round {self.rounds}, {found.nfev} steps: {words}")
+            self.notify(f"round {self.rounds}, {solution.nfev} steps: {values}")
             if same:
                 break
-        self.optimum, self.converged = u, bool(found.status > 0 and same)
+        self.optimum, self.converged = u, bool(solution.status > 0 and same)
         self.shifts = self.calibration.shifts(_results(self.evaluated([u])[0]))
 
 

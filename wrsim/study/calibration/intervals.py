@@ -94,9 +94,9 @@ def _groups(correlation: Array, names: Sequence[str]) -> tuple[tuple[str, ...], 
     linked = np.abs(correlation) >= TOGETHER
     groups: list[set[int]] = []
     for i in range(len(names)):
-        mine = {int(j) for j in np.flatnonzero(linked[i])}
-        touched = [g for g in groups if g & mine]
-        groups = [g for g in groups if not g & mine] + [mine.union(*touched)]
+        together = {int(j) for j in np.flatnonzero(linked[i])}
+        touched = [g for g in groups if g & together]
+        groups = [g for g in groups if not g & together] + [together.union(*touched)]
     return tuple(tuple(names[j] for j in sorted(g)) for g in groups if len(g) > 1)
 
 
@@ -139,9 +139,9 @@ def _others(fit: Fit, i: int, step: float, covariance: Array) -> float:
         return point
 
     bounds = tuple(b[others] for b in fit.bounds)
-    found = least_squares(
+    solution = least_squares(
         lambda part: fit.chi2(whole(part)), np.clip(u[others], *bounds),
         lambda part: fit.derivatives(whole(part), of=others), bounds, xtol=10.0 * TOLERANCE, ftol=10.0 * TOLERANCE,
         gtol=None, max_nfev=PROFILE_STEPS,
     )  # fmt: skip
-    return 2.0 * float(found.cost)
+    return 2.0 * float(solution.cost)

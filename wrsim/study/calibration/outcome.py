@@ -13,22 +13,18 @@ from wrsim.plots.measurement import Panel, intervals_figure, lines_figure
 from wrsim.results import write_atomically
 from wrsim.results.files import as_csv, as_json
 from wrsim.results.moments import Array
-from wrsim.results.table import Column, Table, as_records, as_rows, formatted, quantity, with_unit
+from wrsim.results.table import Column, Table, as_records, as_rows, formatted, with_unit
 from wrsim.study.calibration.fit import Fit
 from wrsim.study.calibration.intervals import NARROWER, TOGETHER, Knowledge
-from wrsim.study.candidates import ONLY
-from wrsim.study.changed_files import changed_in, write_scenario, write_vehicle
+from wrsim.study.changed_files import file_names, write_changed
+from wrsim.study.measurement.alignment import shift_notes
 
-REPORT, TABLE, PAGE, VEHICLE = "calibration.json", "calibration.csv", "calibration.html", "calibrated_vehicle.toml"
+REPORT, TABLE, PAGE, KIND = "calibration.json", "calibration.csv", "calibration.html", "calibrated"
 
 
 def written_names(names: Sequence[str]) -> tuple[str, ...]:
     """Files in the folder of a calibration with scenarios of these names."""
-    return (REPORT, TABLE, PAGE, VEHICLE, *map(_file_of, names))
-
-
-def _file_of(name: str) -> str:
-    return "calibrated.toml" if name == ONLY else f"calibrated_{name}.toml"
+    return (REPORT, TABLE, PAGE, *file_names(KIND, names))
 
 
 @dataclass(frozen=True)
@@ -89,10 +85,7 @@ class Calibrated:
         for name, shift in fit.shifts.items():
             record = fit.calibration.records[name]
             if record.axis != "pose":
-                place = quantity(shift.value, record.unit, ".2f" if record.axis == "distance" else ".4f")
-                how = "found by cross-correlation" if record.search else "as given"
-                notes.append(f"{name}: {record.file.name}, shift {place} ({how}), correlation {shift.correlation:.3f}")
-                notes += [f"{name}: the best shift lies at the end of the search: search farther"] * shift.at_end
+                notes += shift_notes(record, shift, record.file.name)
         varied = fit.calibration.candidates.varied
         for one, interval in zip(varied, known.intervals, strict=True):
             if not interval.told:
@@ -118,7 +111,7 @@ class Calibrated:
         return ", ".join(f"correlation {self.known.correlation[i, j]:.2f}" for i, j in pairs)
 
     @property
-    def words(self) -> str:
+    def sentence(self) -> str:
         """The outcome in one sentence."""
         told = sum(interval.told for interval in self.known.intervals)
         ending = "" if self.fit.converged else "; NOT CONVERGED"
@@ -129,7 +122,7 @@ class Calibrated:
         """Content of ``calibration.json``."""
         fit, known, rows = self.fit, self.known, as_records(self.keys_table())
         return {
-            "title": fit.calibration.candidates.title, "converged": fit.converged, "outcome": self.words,
+            "title": fit.calibration.candidates.title, "converged": fit.converged, "outcome": self.sentence,
             "confidence_percent": fit.calibration.spec.confidence_percent, "narrower": NARROWER,
             "keys": [row | {"told": one.told} for row, one in zip(rows, known.intervals, strict=True)],
             "series": as_records(self.targets_table()), "notes": self.notes(), "misfit": known.misfit,
@@ -166,10 +159,10 @@ class Calibrated:
         }
 
     def write(self, folder: Path, page: str) -> list[Path]:
-        """Write report, table and page, and scenarios and vehicle with the calibrated values."""
+        """Write report, table and page, and scenarios, vehicle and wheel with the calibrated values."""
         candidates, percent = self.fit.calibration.candidates, self.fit.calibration.spec.confidence_percent
-        changes = candidates.changes(candidates.values(self.fit.values(self.fit.optimum)))
-        remarks = [f"wrsim calibrate {candidates.given.file.name}: {self.words}"]
+        values = candidates.values(self.fit.values(self.fit.optimum))
+        remarks = [f"wrsim calibrate {candidates.given.file.name}: {self.sentence}"]
         for one, interval in zip(candidates.varied, self.known.intervals, strict=True):
             ends = f"{interval.low:.5g} to {interval.high:.5g} at {percent:g} %"
             source = "from the measurement" if interval.told else "not told by the measurement"
@@ -179,9 +172,4 @@ class Calibrated:
             write_atomically(folder / TABLE, as_csv(as_rows(self.keys_table()))),
             write_atomically(folder / PAGE, page.encode()),
         ]
-        for scenario in candidates.scenarios:
-            title = f"{scenario.base.title}, calibrated"
-            files.append(write_scenario(folder / _file_of(scenario.name), scenario.base, changes, title, remarks))
-        if changed_in(changes, "changes"):
-            files.append(write_vehicle(folder / VEHICLE, candidates.scenarios[0].base.with_values(changes), remarks))
-        return files
+        return files + write_changed(folder, KIND, candidates, values, "calibrated", remarks)

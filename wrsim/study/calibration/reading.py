@@ -15,8 +15,8 @@ from wrsim.results.channels import PLAIN, SHOWN, Shown
 from wrsim.results.moments import Array
 from wrsim.study.calibration.sections import CalibrationFile, ValueSection
 from wrsim.study.candidates import ONLY, Candidates, read_candidates
-from wrsim.study.measurement.alignment import Pair, Shift, check_channels, densities, found_shift, pairs
-from wrsim.study.measurement.reading import Record, read_record
+from wrsim.study.measurement.alignment import Pair, Shift, densities, found_shift, pairs, record_beside
+from wrsim.study.measurement.reading import Record
 from wrsim.study.outputs import case_outputs, reduced
 from wrsim.study.plan import FileInput
 from wrsim.study.spec import OutputsSection
@@ -178,11 +178,7 @@ def read_calibration(file: Path, folder: Path, models: Sequence[str | Path]) -> 
             sections = [s for s in spec.measured if s.scenario in (None, each.name)]
             if each.file is None or not sections:
                 continue
-            path = opened.found("scenario", i, "file", name=each.file)
-            kmh = bases[each.name].spec.vehicle.speed_kmh
-            speed = kmh / 3.6 if isinstance(kmh, int | float) else None
-            records[each.name] = read_record(path, each.name, each, sections, speed)
-            check_channels(bases[each.name], records[each.name])
+            records[each.name] = record_beside(opened, i, each.name, each, sections, bases[each.name])
         for row, value in enumerate(spec.value):
             base = bases[value.scenario or (names[0] if names else ONLY)]
             if value.frequencies_Hz and base.analysis != "stability":

@@ -17,7 +17,7 @@ were turned round now and then.
 
 import contextlib
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from datetime import date
 from pathlib import Path
@@ -33,15 +33,12 @@ from wrsim.inputs.toml_files import read_bytes, write_toml
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json
 from wrsim.results.table import formatted, quantity
-from wrsim.study.engine import missing
+from wrsim.study.engine import Work, missing
 from wrsim.study.evolution.reading import Evolution
 from wrsim.study.evolution.stages import Array, tableau
 from wrsim.study.plan import Plan
 from wrsim.study.task import COMPLETED, RESULT, read_marker
 from wrsim.timing import timed
-
-Work = Callable[[Plan, Sequence[int]], None]
-"""Writes a plan into its folder and runs some of its cases to their markers."""
 
 STEPS, STEP, LOOK, WHEEL, DEPTHS = "steps", "step.json", "look", "wheel.toml", "depths.csv"
 SHORTEST_REST = 1e-9

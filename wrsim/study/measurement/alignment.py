@@ -1,5 +1,6 @@
 """Measured series on the samples of a run: the shift of their clock, averages, filters."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,10 +11,12 @@ from wrsim.errors import InputError
 from wrsim.register import ANALYSES
 from wrsim.results import filters
 from wrsim.results.moments import Array
+from wrsim.results.table import quantity
 from wrsim.scenario.loading import Scenario
-from wrsim.study.measurement.reading import Measured, Record
-from wrsim.study.measurement.sections import SeriesSection
+from wrsim.study.measurement.reading import Measured, Record, read_record
+from wrsim.study.measurement.sections import RecordSection, SeriesSection
 from wrsim.study.outputs import chosen_channel
+from wrsim.study.plan import FileInput
 from wrsim.study.task import begun
 
 DENSER = 1.5
@@ -68,6 +71,27 @@ def check_channels(scenario: Scenario, record: Record) -> None:
         raise InputError(f'[[scenario]] "{record.name}": analysis = "{scenario.analysis}" has no {record.axis}')
 
 
+def record_beside(
+    given: FileInput, place: int, name: str, about: RecordSection, sections: Sequence[SeriesSection], scenario: Scenario
+) -> Record:
+    """The series of a [[scenario]], counted from 0, whose channels a run of it has. Raises InputError."""
+    path = given.found("scenario", place, "file", name=str(about.file))
+    kmh = scenario.spec.vehicle.speed_kmh
+    record = read_record(path, name, about, sections, kmh / 3.6 if isinstance(kmh, float) else None)
+    check_channels(scenario, record)
+    return record
+
+
+def shift_notes(record: Record, shift: Shift, about: str) -> list[str]:
+    """How the clock of a record was shifted, in sentences; about: the record."""
+    how = "found by cross-correlation" if record.search else "as given"
+    place = quantity(shift.value, record.unit, ".2f" if record.axis == "distance" else ".4f")
+    notes = [f"{record.name}: {about}, shift {place} ({how}), correlation {shift.correlation:.3f}"]
+    if shift.at_end:
+        notes.append(f"{record.name}: the best shift lies at the end of the search: search farther")
+    return notes
+
+
 def clock_of(dataset: xr.Dataset, record: Record) -> Array:
     """Distance [m], time [s] or number of the pose of every sample of a result. Raises InputError for another axis."""
     if (record.axis == "pose") != ("pose" in dataset.dims):
@@ -85,11 +109,11 @@ def _on_samples(each: Measured, clock: Array, wanted: Array) -> Array:
     """A series at other places of its clock, averaged where it is denser than these; not-a-number beyond its ends."""
     known = np.isfinite(each.values)
     step = float(np.median(np.diff(wanted)))
-    own = clock[known]
-    if step > DENSER * float(np.median(np.diff(own))):
-        values = filters.sliding_mean(own, each.values[known], np.clip(wanted, own[0], own[-1]), step)
-        return np.where((wanted < own[0] + 0.5 * step) | (wanted > own[-1] - 0.5 * step), np.nan, values)
-    return np.interp(wanted, own, each.values[known], left=np.nan, right=np.nan)
+    x, values = clock[known], each.values[known]
+    if step > DENSER * float(np.median(np.diff(x))):
+        means = filters.sliding_mean(x, values, np.clip(wanted, x[0], x[-1]), step)
+        return np.where((wanted < x[0] + 0.5 * step) | (wanted > x[-1] - 0.5 * step), np.nan, means)
+    return np.interp(wanted, x, values, left=np.nan, right=np.nan)
 
 
 def found_shift(dataset: xr.Dataset, record: Record) -> Shift:

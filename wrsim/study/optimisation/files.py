@@ -9,22 +9,17 @@ import xarray as xr
 from wrsim.results import write_atomically
 from wrsim.results.files import STUDY, as_csv, as_json
 from wrsim.results.netcdf import write_netcdf
-from wrsim.study.candidates import ONLY
-from wrsim.study.changed_files import changed_in, write_scenario, write_vehicle, write_wheel
+from wrsim.study.changed_files import file_names, write_changed
 from wrsim.study.optimisation.search import Search
 from wrsim.study.plan import in_words
 
 REPORT, HISTORY, PAGE = "optimisation.json", "history.csv", "optimisation.html"
-BEST, VEHICLE, WHEEL = "best", "best_vehicle.toml", "best_wheel.toml"
+BEST = "best"
 
 
 def written_names(names: Sequence[str]) -> tuple[str, ...]:
     """Files in the folder of an optimisation with scenarios of these names."""
-    return (STUDY, REPORT, HISTORY, PAGE, VEHICLE, WHEEL, *map(_best_file, names))
-
-
-def _best_file(name: str) -> str:
-    return f"{BEST}.toml" if name == ONLY else f"{BEST}_{name}.toml"
+    return (STUDY, REPORT, HISTORY, PAGE, *file_names(BEST, names))
 
 
 def write_optimisation(search: Search, dataset: xr.Dataset, report: dict[str, Any], folder: Path) -> list[Path]:
@@ -43,12 +38,4 @@ def write_optimisation(search: Search, dataset: xr.Dataset, report: dict[str, An
     start = candidates.changes(candidates.values(candidates.start))
     remarks = [f"wrsim optimise {candidates.given.file.name}: candidate {best.number} of {report['evaluations']}"]
     remarks += [f"{key}: {in_words(start[key])} -> {in_words(value)}" for key, value in changes.items()]
-    for scenario in candidates.scenarios:
-        title = f"{scenario.base.title}, optimised"
-        files.append(write_scenario(folder / _best_file(scenario.name), scenario.base, changes, title, remarks))
-    first = candidates.scenarios[0].base.with_values(changes)
-    if changed_in(changes, "changes"):
-        files.append(write_vehicle(folder / VEHICLE, first, remarks))
-    if changed_in(changes, "wheel_changes"):
-        files.append(write_wheel(folder / WHEEL, first, remarks))
-    return files
+    return files + write_changed(folder, BEST, candidates, best.candidate.values, "optimised", remarks)

@@ -123,8 +123,8 @@ def multipliers(search: Search, beside: Sequence[Neighbour]) -> list[tuple[str, 
                 held.append((f"{varied[i].name} {bound} = {value:g}", sign * np.eye(len(keys))[row]))
     if not held:
         return []
-    found, _ = nnls(np.column_stack([column for _, column in held]), -table[:, 0])
-    return [(name, float(value)) for (name, _), value in zip(held, found, strict=True) if value > 0.0]
+    solution, _ = nnls(np.column_stack([column for _, column in held]), -table[:, 0])
+    return [(name, float(value)) for (name, _), value in zip(held, solution, strict=True) if value > 0.0]
 
 
 def _slopes(search: Search, best: Judged, beside: Sequence[Neighbour]) -> Array:

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from wrsim.errors import InputError
-from wrsim.study.candidates import Work
+from wrsim.study.engine import Work
 from wrsim.study.optimisation.reading import Judged, Optimisation
 
 
