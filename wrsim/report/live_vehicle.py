@@ -202,12 +202,12 @@ def _elements(bench: Stepper, places: Places) -> Iterator[dict[str, Any]]:
         name = " ".join(re.sub(SIDE_WORDS, "", element.name.rpartition(".")[2]).split()) or element.name
         for what, fields in STRETCHED.items():
             table = rows["spring_rows" if what == "stiffness" else "damper_rows"][i]
-            own = [] if table else [*_nonzero(rows[i : i + 1], fields, places)]
-            groups.setdefault((name, what), []).extend(own)
-    for (name, what), own in groups.items():
-        if own:
-            values = [float(places.buffer[place]) for place in own]
-            yield {"words": f"{what} of {name}", "places": own, "values": values, "stretch": STRETCH}
+            numbers = [] if table else [*_nonzero(rows[i : i + 1], fields, places)]
+            groups.setdefault((name, what), []).extend(numbers)
+    for (name, what), numbers in groups.items():
+        if numbers:
+            values = [float(places.buffer[place]) for place in numbers]
+            yield {"words": f"{what} of {name}", "places": numbers, "values": values, "stretch": STRETCH}
 
 
 def _nonzero(row: Array, fields: Iterable[str], places: Places) -> Iterator[int]:
