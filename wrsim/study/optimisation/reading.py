@@ -348,4 +348,6 @@ def _probe(candidates: Candidates, scenario: OneScenario) -> None:
     with suppress(SimulationError):  # a start that fails is told with the others
         result = begun(start) if moves else run(start, setup=build(start), threads=1)
         if faults := case_outputs(result, wanted, Path(scenario.hook) if scenario.hook else None).faults:
-            raise InputError(f"scenario {scenario.name}: " + "\n".join(faults))
+            raise InputError(
+                "\n".join(f"{candidates.given.file}: scenario {scenario.name}: {fault}" for fault in faults)
+            )
