@@ -125,7 +125,7 @@ def write_live(
 ) -> Outcome:
     """Write a live page: a vehicle that runs, or a wheel to be dragged, turned and loaded on its rail.
 
-    It contains a program and runs without network. A vehicle needs zig to be compiled (pip install 'wrsim[cross]').
+    It contains a program and runs without network. A vehicle needs zig to be compiled (pip install ziglang).
     With "contact" every wheel is paired with every rail, by the strip model and Kik and Piotrowski's. --set and
     --step-ms are for scenarios, the options of profiles for contacts. Without --step-ms the step is 1 ms, halved until
     it holds: in 95 % of the steps of the run at most 1 % of the weight is left without balance.
