@@ -5,7 +5,7 @@
 Lines that call ``wrsim``, ``cp`` or ``mkdir`` count, but those with a word in capitals, which stands for a name, and
 those of LEFT_OUT. Tutorials run as they are, unless --short is given; scenarios of other pages run in a short form,
 without pictures, but for what their lines set themselves. With --short two processes share the pages, and studies have
-the ends of their ranges alone. A line that ends with another exit code than 0, or than those of EXPECTED, is an error.
+the ends of their ranges alone; optimisations and calibrations tell their cost. A line that ends with another exit code than 0, or than those of EXPECTED, is an error.
 """
 
 from __future__ import annotations
@@ -32,9 +32,7 @@ FIRST = ["first_hour", "own_vehicle", "own_track", "own_profile", "acceptance", 
 """Tutorials, in their order."""
 ALONE = "own_profile"
 """One of them that needs nothing of the others, nor they of it."""
-LEFT_OUT = re.compile(
-    r"\b[A-Z]{3,}\b|--slurm|scenarios/(?:wear|type_test)/|studies/coach_|optimisation/profile|wrsim warm"
-)
+LEFT_OUT = re.compile(r"\b[A-Z]{3,}\b|--slurm|scenarios/(?:wear|type_test)/|studies/coach_|wrsim warm")
 """A name to be filled in, a cluster, minutes of work."""
 EXPECTED = {"assess": (0, 2), "diff": (0, 4)}
 """Short runs have no section to assess; two different runs differ."""
@@ -61,20 +59,21 @@ def lines(page: Path) -> list[str]:
 
 
 def ends(text: str) -> str:
-    """The text of a study with the ends of its ranges alone, of an optimisation with few candidates."""
-    text = re.sub(r"^evaluations = \d+", "evaluations = 3", text, flags=re.M)
+    """The text of a study with the ends of its ranges alone."""
     text = re.sub(r"^values = \[([^,\]]+),.*,([^,\]]+)\]", r"values = [\1,\2]", text, flags=re.M)
     rise = re.compile(r"from = (\S+), to = (\S+), step = [^ }]+")
     return rise.sub(lambda m: f"{m[0].rpartition('step')[0]}step = {float(m[2]) - float(m[1]):g}", text)
 
 
 def shortened(words: list[str], pictures: bool) -> list[str]:
-    """The words of ``run FILE`` or ``compare`` with the short form of its scenario, of ``study`` and ``optimise``
-    with that of their files, of ``plot`` with a place in it. pictures: whether runs draw."""
-    if words[0] in ("study", "optimise"):
+    """The words of ``run FILE`` or ``compare`` with the short form of its scenario, of ``study`` with that of the
+    study, of ``plot`` with a place in it; searches run nothing. pictures: whether runs draw."""
+    if words[0] in ("optimise", "calibrate"):
+        return [*words, "--dry-run"]
+    if words[0] == "study":
         short = Path(words[1]).with_stem(f"{Path(words[1]).stem}_short")
         short.write_text(ends(Path(words[1]).read_text(encoding="utf-8")), encoding="utf-8")
-        return [words[0], str(short), *words[2:]]
+        return ["study", str(short), *words[2:]]
     if words[0] == "plot" and "--at" in words:
         return [*words[: words.index("--at")], "--at", "1", *words[words.index("--at") + 2 :]]
     if words[0] not in ("run", "compare") or not Path(words[1]).is_file():
