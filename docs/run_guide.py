@@ -5,7 +5,8 @@
 Lines that call ``wrsim``, ``cp`` or ``mkdir`` count, but those with a word in capitals, which stands for a name, and
 those of LEFT_OUT. Tutorials run as they are, unless --short is given; scenarios of other pages run in a short form,
 without pictures, but for what their lines set themselves. With --short two processes share the pages, and studies have
-the ends of their ranges alone; optimisations and calibrations tell their cost. A line that ends with another exit code than 0, or than those of EXPECTED, is an error.
+the ends of their ranges alone; optimisations and calibrations tell their cost. A line that ends with another exit code
+than 0, or than those of EXPECTED, is an error.
 """
 
 from __future__ import annotations
