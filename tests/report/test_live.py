@@ -308,6 +308,7 @@ def test_files_of_another_kernel_are_refused_in_words(
         (["contact", PROFILES[0]], "at least one wheel and one rail"),
         (["contact", "nothing.toml"], "nothing.toml"),
         (["contact", *PROFILES, "--inclination", "steep"], "--inclination"),
+        ([str(ROOT / "scenarios/static_s1002.toml")], "only runs along the track"),
     ],
 )
 def test_what_is_no_page_is_told_in_one_line(given: list[str], words: str, tmp_path: Path) -> None:

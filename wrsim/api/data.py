@@ -137,7 +137,7 @@ def write_unit(
     output: Annotated[AnyPath, into("The unit; <name of FILE>.fmu here unless given.", "FMU")] = None,
     values: options.Values = (),
     *,
-    step: Annotated[float, "Step of the integration [s]."] = 1e-3,
+    step: Annotated[float | None, "Step of the integration [s]; None: one that holds over the run."] = None,
     fmi: Annotated[Literal["2", "3"], Option("Version of FMI: 2.0 or 3.0.", "2|3")] = "3",
     systems: Annotated[
         str,
@@ -147,13 +147,14 @@ def write_unit(
 ) -> Outcome:
     """Write the vehicle of a run as a co-simulation unit (FMI 3.0 or 2.0).
 
-    The unit starts from the start of the run; it needs no Python when it runs.
+    The unit starts from the start of the run; it needs no Python when it runs. Without --step-ms the step is 1 ms,
+    halved until it holds: in 95 % of the steps of the run at most 1 % of the weight is left without balance.
     Machine code for this system needs a C compiler, that for others zig (pip install ziglang).
 
     Returns
     -------
     Outcome
-        ``["inputs"]``: their names; ``["fmi"]``, ``["systems"]``.
+        ``["inputs"]``: their names; ``["fmi"]``, ``["systems"]``, ``["step_s"]``.
 
     Raises
     ------
@@ -174,9 +175,9 @@ def write_unit(
         if system not in SYSTEMS:
             raise InputError(f'--for "{system}": must be {choice(SYSTEMS, system)}, or several of them with commas')
     unit = export_fmu(loaded, path.stem, step, list(dict.fromkeys(chosen)), fmi)
-    lines = [f"FMI {fmi}.0, for {', '.join(unit.systems)}; steps of {1e3 * step:g} ms"]
+    lines = [f"FMI {fmi}.0, for {', '.join(unit.systems)}; steps of {1e3 * unit.step:g} ms"]
     lines += [f"not for {missing}" for missing in unit.missing]
-    numbers = {"inputs": unit.inputs, "fmi": fmi, "systems": unit.systems}
+    numbers = {"inputs": unit.inputs, "fmi": fmi, "systems": unit.systems, "step_s": unit.step}
     return Outcome([], numbers, [write_atomically(path, unit.content)], lines=lines)
 
 

@@ -26,12 +26,8 @@ DRAWS_ONE = ("width_mm", "font", "style")
 STEP_MS = inspect.Parameter(
     "step_ms",
     inspect.Parameter.KEYWORD_ONLY,
-    default=1.0,
-    annotation=Annotated[float, Option("Step of the integration.", least=1e-3, most=5.0)],
-)
-
-LIVE_STEP_MS = STEP_MS.replace(
-    default=None, annotation=Annotated[float | None, Option("Step; default: one that holds.", least=1e-3, most=5.0)]
+    default=None,
+    annotation=Annotated[float | None, Option("Step; default: one that holds.", least=1e-3, most=5.0)],
 )
 
 
@@ -122,7 +118,7 @@ PANELS: dict[str, dict[str, Any]] = {
         "plot": command(pages.write_pictures, draws=DRAWS, of="result"),
         "report": command(pages.write_report, of="results"),
         "view": command(pages.write_view, of="result"),
-        "live": command(pages.write_live, _step, reads="files", further=[LIVE_STEP_MS]),
+        "live": command(pages.write_live, _step, reads="files", further=[STEP_MS]),
         "diff": command(analyses.diff, draws=DRAWS, reads="first second"),
     },
     "Assess": {

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from wrsim.analysis.motion.run import BENCH_STEP, stepper
+from wrsim.analysis.motion.run import holding_stepper, stepper
 from wrsim.contact.library.build import compiler_for
 from wrsim.contact.models import NORMAL_MODELS
 from wrsim.errors import WrsimError
@@ -13,18 +13,19 @@ from wrsim.simulation.fmu import FOLDERS, pack_fmu
 
 
 class Unit(NamedTuple):
-    """A unit: the bytes of its file, the names of its inputs, the systems it runs on, and why not on others."""
+    """A unit: the bytes of its file, its step [s], names of its inputs, systems it runs on, and why not on others."""
 
     content: bytes
+    step: float
     inputs: list[str]
     systems: list[str]
     missing: list[str]
 
 
 def export_fmu(
-    scenario: Scenario, name: str, step: float = BENCH_STEP, systems: Sequence[str] = (), version: str = "3"
+    scenario: Scenario, name: str, step: float | None = None, systems: Sequence[str] = (), version: str = "3"
 ) -> Unit:
-    """A scenario's vehicle as a unit; step: of the integration [s].
+    """A scenario's vehicle as a unit; step: of the integration [s], None: one that holds over the run.
 
     name: of the file, without its ending; systems: that it shall run on, none for all that there is a compiler for;
     version: of FMI. Raises InputError and SimulationError as `stepper`, WrsimError without a C compiler.
@@ -38,7 +39,8 @@ def export_fmu(
     chosen = [system for system in systems or FOLDERS[version] if system not in missing]
     if missing and (systems or not chosen):
         raise WrsimError(next(iter(missing.values())))
-    bench, setup = stepper(scenario, step), build(scenario)
+    bench = holding_stepper(scenario) if step is None else stepper(scenario, step)
+    setup = build(scenario)
     text, resources = scenario.text, {}
     for file in setup.files:
         if file not in scenario.merged.files:
@@ -47,4 +49,4 @@ def export_fmu(
     resources["scenario.toml"] = text.encode()
     normal = NORMAL_MODELS[setup.contact.normal].kernel
     content = pack_fmu(bench, normal, name, scenario.title, setup.plan.duration, resources, chosen, version)
-    return Unit(content, list(bench.inputs), chosen, list(missing.values()))
+    return Unit(content, bench.step_size, list(bench.inputs), chosen, list(missing.values()))

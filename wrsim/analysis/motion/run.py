@@ -175,10 +175,10 @@ def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iteration
 
 def holding_stepper(scenario: Scenario) -> Stepper:
     """A `stepper` with BENCH_STEP, halved until it holds over the run. Raises SimulationError where none does."""
-    duration = build(scenario).plan.duration
     for halvings in range(HALVINGS + 1):
         step = BENCH_STEP / 2**halvings
-        if _holds(stepper(scenario, step), round(duration / step)):
+        bench = stepper(scenario, step)  # refuses what has no duration
+        if _holds(bench, round(build(scenario).plan.duration / step)):
             return stepper(scenario, step)
     raise SimulationError(
         f"{scenario.title}: no step down to {1e3 * step:g} ms holds with {BENCH_ITERATIONS} iterations: more than"
