@@ -10,6 +10,7 @@ from support.rows import rows_of
 from support.scenario_texts import CURVE, edited, faults
 
 from wrsim import ContactSettings, Friction, InputError, load, load_text
+from wrsim.contact import Layer
 from wrsim.scenario.build import build
 
 table = rows_of(__file__)
@@ -34,6 +35,17 @@ def test_scenarios_take_a_number_or_a_table_for_both_rails_or_for_each():
 @pytest.mark.parametrize(("text", "message"), table("bad_friction_is_refused"))
 def test_bad_friction_is_refused(text, message, tmp_path):
     assert any(message in line for line in faults(edited(CURVE, "friction = 0.35", text), tmp_path))
+
+
+@pytest.mark.parametrize(("text", "message"), table("bad_layers_are_refused"))
+def test_bad_layers_are_refused(text, message, tmp_path):
+    assert any(message in line for line in faults(edited(CURVE, "friction = 0.35", text), tmp_path))
+
+
+def test_layers_are_in_si_units():
+    layer = "{thickness_mm = 0.02, shear_modulus_GPa = 1, yield_stress_MPa = 150, hardening_MPa_per_mm = 828}"
+    text = edited(CURVE, "friction = 0.35", f"normal = 'half-space'\nlayer = {layer}")
+    assert build(load_text(text, "case.toml")).contact.layer == Layer(2e-5, 1e9, 150e6, 828e9)
 
 
 def friction_along(text: str, more: str, folder: Path | None = None) -> Any:

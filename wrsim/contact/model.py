@@ -337,6 +337,7 @@ def _inputs(model: ContactModel, of_cells: int = 0) -> Arrays:
     n.parabolic, n.blended = parabolic, settings.flexibility == "blended"
     n.kA, n.kS = settings.polach_adhesion, settings.polach_slip
     n.slope_k0, n.slope_alpha_inf, n.slope_beta = settings.slope_k0, settings.slope_alpha_inf, settings.slope_beta
+    n.layer = settings.layer.flexibility if settings.layer else 0.0
     first = friction if isinstance(friction, Friction) else friction.laws[0]
     for name, number in zip(FRICTION, first.numbers, strict=True):
         call[name] = number

@@ -36,6 +36,7 @@ MODEL = record("""
     slope_k0     [1]    initial slope reduction of FASTSIM and FaStrip
     slope_alpha_inf [1] slope reduction at large creepages, over the initial one
     slope_beta   [1]    decay of the slope reduction
+    layer        [m/Pa] shear of a layer between the bodies over the traction
     tangential   [int]  creep law, of ``wrsim.contact.models``
     parabolic    [int]  whether the traction bound is a parabola along the strip
     blended      [int]  whether FASTSIM has one flexibility, blended of three

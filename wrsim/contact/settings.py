@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import atan, radians, tan
+from math import atan, inf, radians, tan
 from numbers import Real
 from typing import Literal, get_args
 
@@ -94,6 +94,39 @@ class HalfSpaceSettings:
     together: float = 4e-3
     apart: float = 8e-3
     pairing: Pairing = "opposite"
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A thin third body between wheel and rail, which shears under tractions and does not act on pressures.
+
+    Parameters
+    ----------
+    thickness, shear_modulus : float
+        Of its elastic shear, ``thickness / shear_modulus`` times the traction [m, Pa].
+    yield_stress, hardening : float
+        Shear stress from which on it yields [Pa], and how much that rises with the plastic slip since the leading edge
+        [Pa/m].
+    """
+
+    thickness: float = 0.0
+    shear_modulus: float = 1e9
+    yield_stress: float = inf
+    hardening: float = 0.0
+
+    @property
+    def flexibility(self) -> float:
+        """Elastic shear over the traction [m/Pa]."""
+        return self.thickness / self.shear_modulus
+
+    def unsuited(self, tangential: Tangential) -> str:
+        """Why a law of creep forces cannot take it; "" where it can."""
+        yields = self.yield_stress < inf
+        if (law := CREEP_LAWS[tangential]).layer and (law.yields or not yields):
+            return ""
+        able = [f'"{name}"' for name, law in CREEP_LAWS.items() if (law.yields if yields else law.layer)]
+        kind = "that yields " if yields else ""
+        return f'tangential = "{tangential}" takes no layer {kind}between the bodies: take {" or ".join(able)}'
 
 
 @dataclass(frozen=True)
@@ -233,6 +266,8 @@ class ContactSettings:
         The two materials.
     half_space : HalfSpaceSettings
         Numbers of the exact solver.
+    layer : Layer, optional
+        A third body between wheel and rail, for FASTSIM, FaStrip and the exact solver.
     """
 
     normal: Normal = "strips"
@@ -254,6 +289,7 @@ class ContactSettings:
     wheel: Material = field(default_factory=Material)
     rail: Material = field(default_factory=Material)
     half_space: HalfSpaceSettings = field(default_factory=HalfSpaceSettings)
+    layer: Layer | None = None
 
     def fast(self) -> "ContactSettings":
         """The same with a fast model in place of the exact one, for a first idea of its result."""
@@ -292,6 +328,8 @@ class ContactSettings:
                 isinstance(value, Real) and low <= float(value) <= high
             ):
                 raise InputError(f"{name} = {value!r:.40}: must be a number from {low:g} to {high:g}")
+        if self.layer and (message := self.layer.unsuited(self.creep_forces)):
+            raise InputError(message)
 
     def __post_init__(self) -> None:
         if self.tangential == "half-space" and self.normal != "half-space":

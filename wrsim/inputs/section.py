@@ -34,7 +34,7 @@ UNITS: dict[str, str] = WORDS["units"]
 """Unit endings of keys and how they are written in a sentence."""
 TO_SI: dict[str, Callable[[float], float]] = {
     "_mm": lambda x: x / 1e3, "_kmh": lambda x: x / 3.6, "_deg": radians, "_MPa": lambda x: 1e6 * x,
-    "_GPa": lambda x: 1e9 * x,
+    "_GPa": lambda x: 1e9 * x, "_MPa_per_mm": lambda x: 1e9 * x,
 } | dict.fromkeys(
     ("_kN", "_kN_per_m", "_kNs_per_m", "_kNm_per_rad", "_kNms_per_rad"), lambda x: 1e3 * x
 ) | dict.fromkeys(("_m", "_s", "_s_per_m", "_Hz", "_kg_m2"), float)  # fmt: skip

@@ -53,6 +53,7 @@ def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
         soft = Flexibilities(soft.l1 / grip, soft.l2 / grip, soft.l3 / grip)
     if model.slope_k0 != 1.0 or model.slope_beta > 0.0:
         soft = _reduced(a.creep, model, strips, n, normal, mean, ellipse, soft)
+    soft = Flexibilities(soft.l1 + model.layer, soft.l2 + model.layer, soft.l3 + model.layer)
     cells = a.shape.shape[0] if a.work.shape[0] > SCRATCH else 0
     slip = a.work[SCRATCH + i * cells : SCRATCH + (i + 1) * cells]
     first = SCRATCH + (lobes.shape[0] + 2 * i) * cells

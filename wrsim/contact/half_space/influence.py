@@ -32,20 +32,23 @@ MARGIN = 6  # elements by which the period of the inverse is larger than the gri
 
 @dataclass(frozen=True)
 class Compliance:
-    """Constants of two bodies, c_n, c_t, c_k [1/Pa]; c_k is rail minus wheel."""
+    """Constants of two bodies, c_n, c_t, c_k [1/Pa]; c_k is rail minus wheel. layer: shear of a layer between them over
+    the traction [m/Pa]."""
 
     normal: float
     tangential: float
     coupling: float
+    layer: float = 0.0
 
     @classmethod
-    def of(cls, wheel: Material, rail: Material) -> "Compliance":
+    def of(cls, wheel: Material, rail: Material, layer: float = 0.0) -> "Compliance":
         both = (wheel, rail)
         k_wheel, k_rail = ((1.0 - 2.0 * m.poisson_ratio) / m.shear_modulus for m in both)
         return cls(
             sum((1.0 - m.poisson_ratio) / m.shear_modulus for m in both) / (2.0 * pi),
             sum(m.poisson_ratio / m.shear_modulus for m in both) / (2.0 * pi),
             (k_rail - k_wheel) / (4.0 * pi),
+            layer,
         )
 
     @property
@@ -183,7 +186,7 @@ class Operator:
         """Largest slip that an element's own traction brings about, over that traction [1/Pa]."""
         integrals = _integrals(self._ratio, 64)[:, :2, 0]
         fall, c = integrals[:, 0] - integrals[:, 1], self.compliance
-        return float(c.normal * fall[NN] + c.tangential * max(fall[XX], fall[SS]))
+        return float(c.normal * fall[NN] + c.tangential * max(fall[XX], fall[SS])) + c.layer / self.dx
 
     @cached_property
     def inverse(self) -> "Inverse":
@@ -225,6 +228,8 @@ class Operator:
         }
         for kind in (XX, SS):
             spectra[kind] += spectra[NN]
+            if c.layer > 0.0:
+                spectra[kind] += c.layer
         return spectra
 
     @cached_property
@@ -266,7 +271,8 @@ class Operator:
 
 class Inverse:
     """Inverse symbols of the half-space on a periodic grid hardly larger than the patch: preconditioners. Over the wave
-    number k a half-space gives way by (1 - nu)/(G |k|) normal to its surface and along k, by 1/(G |k|) across."""
+    number k a half-space gives way by (1 - nu)/(G |k|) normal to its surface and along k, by 1/(G |k|) across; a layer
+    adds its flexibility to both of the latter."""
 
     def __init__(self, operator: Operator) -> None:
         o, c = operator, operator.compliance
@@ -279,6 +285,7 @@ class Inverse:
         along = k / (2.0 * pi * c.normal)
         across = k / (2.0 * pi * (c.normal + c.tangential))
         self._normal = along
+        along, across = along / (1.0 + c.layer * along), across / (1.0 + c.layer * across)
         self._xx = (along * kx**2 + across * ks**2) / k**2
         self._ss = (along * ks**2 + across * kx**2) / k**2
         self._xs = (along - across) * kx * ks / k**2

@@ -48,8 +48,9 @@ class Patch:
 
     p: pressures (rows, columns) over (s, x) [Pa]; q: tractions on the wheel along x and along the rows' tangents,
     outward (2, rows, columns) [Pa]; slip, rigid_slip: of the wheel over the rolling speed, alike, with and without
-    the elastic part; state: 0 outside, 1 adhesion, 2 slip; force, moment: on the wheel (t, o, b), the moment about the
-    wheel's profile origin [N, N m]; pressure, traction: as solved for, p without damping.
+    the elastic part; state: 0 outside, 1 adhesion, 2 slip, 3 a layer that yields; force, moment: on the wheel
+    (t, o, b), the moment about the wheel's profile origin [N, N m]; pressure, traction: as solved for, p without
+    damping.
     """
 
     grid: Grid

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -19,7 +20,7 @@ CIRCLE_C11 = 4.12  # Kalker's coefficient of a circular patch, nu = 1/4
 
 @dataclass(frozen=True)
 class Traction:
-    """Tractions on the wheel (2, rows, columns) [Pa], slip over the rolling speed, adhesion (1) or slip (2)."""
+    """Tractions on the wheel (2, rows, columns) [Pa], slip over the rolling speed, adhesion 1, slip 2, yield 3."""
 
     q: Array
     slip: Array
@@ -37,12 +38,15 @@ def solve_rolling(
     forward: float = 1.0,
     tolerance: float = 1e-4,
     start: Array | None = None,
+    yield_stress: float = inf,
+    hardening: float = 0.0,
 ) -> Traction:
     """Tractions of steady rolling.
 
     bound: largest traction mu p of every element, zero outside contact, (rows, columns) [Pa]; rigid_slip: over the
     rolling speed, (2, rows, columns), of the wheel relative to the rail; forward: +1 when rolling towards larger x;
-    tolerance: largest error of a traction over the largest bound; start: tractions to begin with.
+    tolerance: largest error of a traction over the largest bound; start: tractions to begin with; yield_stress [Pa] of
+    a layer between the bodies and its rise with the plastic slip, hardening [Pa/m].
     """
     shape, largest = rigid_slip.shape, float(bound.max())
     q = np.zeros(shape)
@@ -53,11 +57,13 @@ def solve_rolling(
     # the sum of a run times dx over a typical compliance is a traction
     scale = 1.0 / (np.sqrt(bound.size) * self_slip)
     unscale = operator.dx / scale
-    equations = rolling.Equations(bound, STEP_OF_MAP / self_slip, scale, forward, state, n, ratio)
+    layer = yield_stress, hardening * operator.dx
+    equations = rolling.Equations(bound, STEP_OF_MAP / self_slip, scale, forward, *layer, state, n, ratio)
     if start is not None and start.shape == shape:
         rolling.move(q, start, 1.0, bound)
     else:
-        rolling.march_columns(rigid_slip, bound, _flexibility(operator, bound), operator.dx, forward, q)
+        least = np.minimum(bound, yield_stress)
+        rolling.march_columns(rigid_slip, least, _flexibility(operator, bound), operator.dx, forward, q)
     products = 0
 
     def correction(v: Array) -> Array:
@@ -82,7 +88,7 @@ def solve_rolling(
         if converged or products * bound.size > MOST_WORK:
             return Traction(q, slip, state, step, products, errors[-1], converged)
         sticking = (state == rolling.ADHESION).astype(np.float64)
-        sliding = (state == rolling.SLIP).astype(np.float64)
+        sliding = (state >= rolling.SLIP).astype(np.float64)
         change = _least_residual(product, rhs.reshape(-1), *space).reshape(shape)
         # where a few elements swing between two states a shorter step breaks the circle
         swinging = step > 5 and errors[-1] > 0.3 * errors[-3]
@@ -106,4 +112,4 @@ def _flexibility(operator: Operator, bound: Array) -> float:
     """Displacement over traction of a circle of the patch's area [m/Pa], after the simplified theory."""
     radius = np.sqrt(float(np.count_nonzero(bound)) * operator.dx * operator.ds / np.pi)
     c = operator.compliance
-    return float(8.0 * radius / (3.0 * CIRCLE_C11) * np.pi * (c.normal + c.tangential))
+    return float(8.0 * radius / (3.0 * CIRCLE_C11) * np.pi * (c.normal + c.tangential)) + c.layer

@@ -9,6 +9,10 @@ n = (q - rho s)/|q - rho s| (slip). Newton's steps are solved by GMRES with conv
 (wrsim.contact.half_space.rolling). In adhesion the equations of a row are summed up from the leading end of each run,
 which turns differences into displacements and lets the inverse symbol of A precondition them.
 
+A layer that yields (hs-yield) bounds tractions by min(mu p, tau_c): tau_c rises by h = k dx times the slip from element
+to element that yields, from its leading end on. There q = tau + h |s| with tau of the element ahead, and with
+|q - rho s| = |q| + rho |s| the bound is g = (rho tau + h |q - rho s|) / (rho + h).
+
 Vectors are (2, rows, columns) along x and s, scalars (rows, columns), x rising with the column.
 """
 
@@ -17,21 +21,25 @@ from typing import Any, NamedTuple
 
 from wrsim.jit import Array, kernel
 
-OUTSIDE, ADHESION, SLIP = 0.0, 1.0, 2.0
+OUTSIDE, ADHESION, SLIP, YIELD = 0.0, 1.0, 2.0, 3.0
+RESIDUAL = 0.1  # of a yield stress that falls (CONTACT); there YIELD ends
 
 
 class Equations(NamedTuple):
     """F of (hs-coulomb) and its derivative.
 
-    bound: g [Pa], zero outside contact; rho [Pa]; scale: of the sums over runs in adhesion [Pa]; forward: +1 when x
-    rises towards the leading edge, else -1. At the last tractions, written by `evaluate`: state (OUTSIDE, ADHESION,
-    SLIP), and in slip n and ratio = g / |q - rho s|.
+    bound: mu p [Pa], zero outside contact; rho [Pa]; scale: of the sums over runs in adhesion [Pa]; forward: +1 when x
+    rises towards the leading edge, else -1; yield_stress [Pa] of a layer, inf where none yields, and how much it rises
+    over an element per plastic slip, hardening times dx [Pa]. At the last tractions, written by `evaluate`: state
+    (OUTSIDE, ADHESION, SLIP, YIELD), and in slip or yield n and ratio = g / |q - rho s|.
     """
 
     bound: Any
     rho: float
     scale: float
     forward: float
+    yield_stress: float
+    hardening: float
     state: Any
     n: Any
     ratio: Any
@@ -40,12 +48,14 @@ class Equations(NamedTuple):
 @kernel
 def evaluate(eq: Equations, q: Array, slip: Array, rhs: Array) -> float:
     """State of every element and the right hand side -F of Newton's equations. rhs: in adhesion the sum of -s from the
-    leading end of the run times ``scale``, in slip g n - q. Returns the largest error, as a traction."""
+    leading end of the run times ``scale``, in slip or yield g n - q. Returns the largest error, as a traction."""
     rows, columns = eq.bound.shape
     worst = 0.0
+    least = RESIDUAL * eq.yield_stress
     for j in range(rows):
         sum_x = 0.0
         sum_s = 0.0
+        limit = eq.yield_stress
         for m in range(columns):
             i = columns - 1 - m if eq.forward > 0.0 else m
             g = eq.bound[j, i]
@@ -55,11 +65,12 @@ def evaluate(eq: Equations, q: Array, slip: Array, rhs: Array) -> float:
             if g <= 0.0:
                 sum_x = 0.0
                 sum_s = 0.0
+                limit = eq.yield_stress
                 continue
             zx = q[0, j, i] - eq.rho * slip[0, j, i]
             zs = q[1, j, i] - eq.rho * slip[1, j, i]
             size = sqrt(zx * zx + zs * zs)
-            if size <= g:
+            if size <= min(g, limit):
                 eq.state[j, i] = ADHESION
                 sum_x -= slip[0, j, i]
                 sum_s -= slip[1, j, i]
@@ -72,6 +83,12 @@ def evaluate(eq: Equations, q: Array, slip: Array, rhs: Array) -> float:
                 sum_s = 0.0
                 eq.n[0, j, i] = zx / size
                 eq.n[1, j, i] = zs / size
+                if limit < g:
+                    limit = (eq.rho * limit + eq.hardening * size) / (eq.rho + eq.hardening)
+                    if least < limit < g:
+                        eq.state[j, i] = YIELD
+                    limit = min(max(limit, least), g)
+                    g = limit
                 eq.ratio[j, i] = g / size
                 rhs[0, j, i] = g * eq.n[0, j, i] - q[0, j, i]
                 rhs[1, j, i] = g * eq.n[1, j, i] - q[1, j, i]
@@ -86,6 +103,7 @@ def derivative(eq: Equations, d: Array, r: Array, out: Array) -> None:
     for j in range(rows):
         sum_x = 0.0
         sum_s = 0.0
+        rise = 0.0
         for m in range(columns):
             i = columns - 1 - m if eq.forward > 0.0 else m
             if eq.state[j, i] == ADHESION:
@@ -96,14 +114,21 @@ def derivative(eq: Equations, d: Array, r: Array, out: Array) -> None:
                 continue
             sum_x = 0.0
             sum_s = 0.0
-            if eq.state[j, i] == SLIP:
+            if eq.state[j, i] >= SLIP:
                 nx, ns = eq.n[0, j, i], eq.n[1, j, i]
                 zx = d[0, j, i] - eq.rho * r[0, j, i]
                 zs = d[1, j, i] - eq.rho * r[1, j, i]
                 along = zx * nx + zs * ns
                 out[0, j, i] = d[0, j, i] - eq.ratio[j, i] * (zx - along * nx)
                 out[1, j, i] = d[1, j, i] - eq.ratio[j, i] * (zs - along * ns)
+                if eq.state[j, i] == YIELD:
+                    rise = (eq.rho * rise + eq.hardening * along) / (eq.rho + eq.hardening)
+                    out[0, j, i] -= rise * nx
+                    out[1, j, i] -= rise * ns
+                else:
+                    rise = 0.0
             else:
+                rise = 0.0
                 out[0, j, i] = 0.0
                 out[1, j, i] = 0.0
 

@@ -18,7 +18,7 @@ from wrsim.contact.half_space.surface import Grid
 from wrsim.contact.half_space.zones import Footprint, find_footprints
 from wrsim.contact.model import LEAST_SPEED, ContactModel
 from wrsim.contact.records import STATUS_PROFILE_END, STATUS_TOO_DEEP
-from wrsim.contact.settings import HalfSpaceSettings
+from wrsim.contact.settings import HalfSpaceSettings, Layer
 from wrsim.contact.wheel_rail import DEEPEST
 from wrsim.jit import Array
 
@@ -76,7 +76,8 @@ class HalfSpace(HalfSpaceSettings):
             speed = np.hypot(grid.bodies.pose.velocity.x, LEAST_SPEED)
             friction = damping * law.coefficient(grid.normal[:, None, :], speed * np.hypot(*rigid))
             first = start.q if start is not None else None
-            pressure, traction, converged = self._roll(pressed, friction, rigid, forward, first)
+            layer = model.settings.layer or Layer()
+            pressure, traction, converged = self._roll(pressed, friction, rigid, forward, first, layer)
         bits = {
             status_of.GRID_EDGE: pressed.reaches_edge,
             STATUS_TOO_DEEP: not contact,
@@ -88,7 +89,7 @@ class HalfSpace(HalfSpaceSettings):
         return patch, sum(bit for bit, is_set in bits.items() if is_set)
 
     def _roll(
-        self, pressed: "Pressed", friction: Array, rigid: Array, forward: float, first: Array | None
+        self, pressed: "Pressed", friction: Array, rigid: Array, forward: float, first: Array | None, layer: Layer
     ) -> tuple[Pressure, Traction, bool]:
         """Pressures, tractions, whether they converged: alternating where they move each other (Panagiotopoulos).
         friction: bound of the tractions over the pressure (rows, columns); first: tractions to begin with."""
@@ -96,7 +97,8 @@ class HalfSpace(HalfSpaceSettings):
 
         def roll(p: Array, q: Array | None) -> Traction:
             slip = rigid + operator.slip_of_pressure(p, forward) if operator.coupled else rigid
-            return solve_rolling(operator, friction * p, slip, forward, 10.0 * self.tolerance, q)
+            yields = layer.yield_stress, layer.hardening
+            return solve_rolling(operator, friction * p, slip, forward, 10.0 * self.tolerance, q, *yields)
 
         traction = roll(pressure.p, first)
         if not operator.coupled:
@@ -112,7 +114,8 @@ class HalfSpace(HalfSpaceSettings):
 
 
 def _compliance(model: ContactModel) -> Compliance:
-    return Compliance.of(model.settings.wheel, model.settings.rail)
+    layer = model.settings.layer
+    return Compliance.of(model.settings.wheel, model.settings.rail, layer.flexibility if layer else 0.0)
 
 
 def _damping(grid: Grid, damping: float) -> Array:

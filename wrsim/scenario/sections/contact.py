@@ -10,12 +10,14 @@ from wrsim.contact.settings import (
     DRY,
     RANGES,
     SOLVED_STRIPS,
+    USUAL,
     Approach,
     ContactSettings,
     Flexibility,
     Friction,
     HalfSpaceSettings,
     Influence,
+    Layer,
     Material,
     Normal,
     Pairing,
@@ -106,6 +108,26 @@ class HalfSpaceSection(Section, header="[contact.half_space]"):
         sized = self.element_x_mm is not None and self.element_s_mm is not None
         element = (self.element_x_mm / 1e3, self.element_s_mm / 1e3) if sized else None  # type: ignore[operator]
         return self.to_si(HalfSpaceSettings, element=element)
+
+
+class ThirdBodySection(Section, header="[contact.layer]"):
+    """A thin third body between wheel and rail: elastic shear, and shear that stays from a yield stress on."""
+
+    together = ("thickness_mm shear_modulus_GPa",)
+    goes_with = {"hardening_MPa_per_mm": "yield_stress_MPa"}
+
+    thickness_mm: Annotated[float, positive(1, "mm; 0.01 to 0.05 of oxides and sand")] | None = None
+    """Thickness of what shears elastically."""
+    shear_modulus_GPa: Annotated[float, positive(100, "GPa; steel 82")] | None = None
+    """Shear modulus of the layer."""
+    yield_stress_MPa: Annotated[float, positive(10000, "MPa of shear")] | None = None
+    """Shear stress from which on the layer yields; it does not unless given."""
+    hardening_MPa_per_mm: Annotated[float, number(-5000, 1e6, "MPa per mm of plastic slip; below 0 it softens")] = 0.0
+    """How much the yield stress rises with the plastic slip since the leading edge."""
+
+    def consistency(self) -> Iterator[Fault]:
+        if self.thickness_mm is None and self.yield_stress_MPa is None:
+            yield Fault("thickness_mm", "give thickness_mm with shear_modulus_GPa, yield_stress_MPa, or both")
 
 
 Coefficient = Annotated[float, number(0, 2, "dry steel 0.3 to 0.5")]
@@ -221,6 +243,8 @@ class ContactSection(Section, header="[contact]"):
     """Elastic numbers of wheel and rail."""
     half_space: HalfSpaceSection = HalfSpaceSection()
     """Elements of the exact solver."""
+    layer: ThirdBodySection | None = None
+    """A third body between wheel and rail; none unless given."""
     conical: ConicalSection | None = None
     """Conical wheels with a prescribed creep law in place of profiles; for stability only."""
 
@@ -251,6 +275,9 @@ class ContactSection(Section, header="[contact]"):
             yield Fault("strip_width_mm", f'goes with normal = "kik-piotrowski" only: {others}')
 
     def consistency(self) -> Iterator[Fault]:
+        law = self.tangential or USUAL[self.normal].tangential
+        if self.layer and (message := self.layer.to_si(Layer).unsuited(law)):
+            yield Fault("layer", message)
         for side in SIDES:
             for (_, before), (i, section) in pairwise(on_side(self.friction_sections, side)):
                 end = before.from_m + before.transition_m
@@ -270,4 +297,5 @@ class ContactSection(Section, header="[contact]"):
             wheel=self.material.of(self.material.wheel),
             rail=self.material.of(self.material.rail),
             half_space=self.half_space.settings(),
+            layer=self.layer and self.layer.to_si(Layer),
         )
