@@ -73,7 +73,7 @@ def poses_without_a_run(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
     monkeypatch.setattr("wrsim.study.plan.build", build_once)
     monkeypatch.setattr("wrsim.results.files.os.fsync", lambda handle: None)
-    monkeypatch.setattr("wrsim.study.optimisation.reading._probe", lambda candidates, scenario: None)
+    monkeypatch.setattr("wrsim.study.optimisation.reading._probe", lambda candidates, scenario, sought: None)
     yield
 
 
@@ -195,6 +195,26 @@ def test_a_fault_of_the_file_is_one_error(tmp_path, text, message):
     with pytest.raises(InputError, match=message) as error:
         read_optimisation(search_file(tmp_path, text), tmp_path / "out")
     assert "\n" not in str(error.value)
+
+
+THERE = "wheelsets.wheelset.wheels.left.Q_max_kN", "wheelsets.wheelset.wheels.left.Q_max_20Hz_kN", "events.0.time_s"
+
+
+def test_an_output_that_a_run_cannot_have_is_refused_by_its_first_steps(tmp_path, monkeypatch):
+    """A place in a list that is empty at the start may be there at the end."""
+    monkeypatch.undo()  # of what stands for runs in the other tests
+    file = tmp_path / "optimisation.toml"
+    vary = '[[vary]]\nkey = "contact.friction"\nlow = 0.2\nhigh = 0.4\nstart = 0.3\n'
+    place = "wheelsets.wheelset.full_curves.0.left.Y_kN"
+    text = f'base = "{SCENARIOS / "curve_r300.toml"}"\n{vary}[[objective]]\nsummary = "{place}"\naim = "minimise"\n'
+    file.write_text(text + "".join(f'[[constraint]]\nsummary = "{there}"\nat_most = 1\n' for there in THERE))
+    read_optimisation(file, tmp_path / "out")
+    wrong = place.replace("full_curves", "full_curve")
+    file.write_text(text + f'[[constraint]]\nsummary = "{wrong}"\nat_most = 1\n')
+    with pytest.raises(InputError) as error:
+        read_optimisation(file, tmp_path / "out")
+    words = 'constraint[0].summary: "wheelsets.wheelset.full_curve.0.left.Y_kN": "full_curve.0.left.Y_kN" is not in'
+    assert f"{file.name}:11: {words}" in str(error.value) and "did you mean 'full_curves'" in str(error.value)
 
 
 def test_a_command_writes_history_page_and_files_of_the_best_candidate(tmp_path, monkeypatch, unpainted):

@@ -39,10 +39,10 @@ def history_figure(dataset: xr.Dataset) -> Figure:
         axes.plot(number[~kept], values[~kept], color=STOP_COLOUR, **DOT)
         axes.plot(number[kept], values[kept], color=SERIES_COLOURS[0], **DOT)
         if name in costs:
-            best = np.fmin.accumulate(np.where(kept, dataset[name].values, np.nan))
-            axes.plot(number, best * dataset[name].attrs["sign"], color=INK, linewidth=0.8, drawstyle="steps-post")
+            best = np.fmin.accumulate(np.where(kept, dataset[name].values, np.nan)) * dataset[name].attrs["sign"]
+            axes.plot(number, best, color=INK, linewidth=0.8, drawstyle="steps-post")
             if kept.any():  # what fails may be orders of magnitude away
-                _limit(axes, values[kept])
+                axes.set_ylim(_margin(values[kept], best))
         axes.set_ylabel(_label(dataset, name))
         axes.set_xlabel("candidate")
 
@@ -62,8 +62,7 @@ def front_figure(dataset: xr.Dataset, front: Sequence[int]) -> Figure:
         axes.plot(x[best], y[best], color=INK, linewidth=0.8, marker="o", markersize=3.0)
         axes.set(xlabel=_label(dataset, "cost_1"), ylabel=_label(dataset, "cost_2"))
         if kept.any():
-            _limit(axes, y[kept])
-            axes.set_xlim(_margin(x[kept]))
+            axes.set(xlim=_margin(x[kept], x[best]), ylim=_margin(y[kept], y[best]))
 
     return panels(dataset.attrs["title"], [draw], 90.0, legend=_legend("Pareto front"))
 
@@ -77,12 +76,9 @@ def _label(dataset: xr.Dataset, name: str) -> str:
     return str(words) if words else axis_label(dataset, name)
 
 
-def _limit(axes: Axes, values: NDArray[np.float64]) -> None:
-    axes.set_ylim(_margin(values))
-
-
-def _margin(values: NDArray[np.float64]) -> tuple[float, float]:
-    low, high = np.nanmin(values), np.nanpercentile(values, 80)
+def _margin(values: NDArray[np.float64], line: NDArray[np.float64]) -> tuple[float, float]:
+    """Limits with room for the line, and for four of five values."""
+    low, high = np.nanmin([np.nanmin(values), np.nanmin(line)]), np.nanmax([np.nanpercentile(values, 80), *line])
     room = 0.08 * (high - low) or 0.05 * abs(low) or 1.0
     return float(low - room), float(high + room)
 

@@ -93,6 +93,9 @@ OF_SPAN = {
 }
 """Peaks in the middle of a span of a bridge."""
 
+LATER = {"events", "remarks", *(key for key, kind in (PEAKS | OF_WHEELSET).items() if kind.filtered)}
+"""Keys that a summary has once there is something to tell, or enough samples."""
+
 _STEADY = 1e-4  # change of curvature over its largest value, per metre, below which a curve counts as full
 _SHORTEST = 5  # samples of a full curve that make a median worth reporting
 

@@ -19,6 +19,7 @@ from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
 from wrsim.results.filters import LEAST_SAMPLES, low_pass, on_raster, sampling_rate
+from wrsim.results.summary import LATER
 from wrsim.results.table import formatted
 from wrsim.study.spec import REDUCTIONS, ChannelOutput, OutputsSection
 
@@ -147,21 +148,35 @@ def reduced(values: NDArray[np.float64], how: str, percentile: float | None = No
 
 
 def _add_place(outputs: Outputs, summary: Mapping[str, Any], place: str) -> None:
-    """A number of the summary by its dotted place; a peak counts as its value. Keys may hold dots themselves."""
+    """A number of the summary by its dotted place. Keys may hold dots themselves."""
     name = place_name(place)
     outputs.add(name, None, _unit_in(place))
     value, rest = _walk(summary, place)
-    if isinstance(value, dict) and "value" in value and not rest:
-        value = value["value"]
+    if fault := _place_fault(place, value, rest):
+        outputs.faults.append(f"outputs.summary: {fault}")
+    else:
+        outputs.add(name, value, _unit_in(place))
+
+
+def _place_fault(place: str, value: Any, rest: str) -> str:
+    """What is wrong with a place of which a rest is left at a value; nothing where it is a number."""
     if rest:
         keys = list(value) if isinstance(value, dict) else []
         there = f"there is {', '.join(map(str, keys))}{suggest(rest.split('.')[0], keys)}" if keys else "nothing below"
-        outputs.faults.append(f'outputs.summary: "{place}": "{rest}" is not in the summary; {there}')
-    elif isinstance(value, dict | list | str):
+        return f'"{place}": "{rest}" is not in the summary; {there}'
+    if isinstance(value, dict | list | str):
         more = f"; below it: {', '.join(map(str, value))}" if isinstance(value, dict) else ""
-        outputs.faults.append(f'outputs.summary: "{place}" is no number{more}')
-    else:
-        outputs.add(name, value, _unit_in(place))
+        return f'"{place}" is no number{more}'
+    return ""
+
+
+def check_place(result: Result, place: str) -> None:
+    """Refuse a place that the summary of a run cannot have, by its first steps: most tables are there, lists may be
+    longer at the end. Raises InputError."""
+    value, rest = _walk(result.summary(), place)
+    later = isinstance(value, list) or rest.split(".")[0] in LATER
+    if not later and (fault := _place_fault(place, value, rest)):
+        raise InputError(fault)
 
 
 def place_name(place: str) -> str:
@@ -169,7 +184,7 @@ def place_name(place: str) -> str:
 
 
 def _walk(tree: Any, place: str) -> tuple[Any, str]:
-    """Down a tree of tables and lists as far as the place leads: the value there, and the rest of the place."""
+    """Down a tree of tables and lists as far as the place leads: the value there, of a peak too; rest of the place."""
     while place:
         parts = place.split(".")
         if isinstance(tree, list) and parts[0].isdecimal() and int(parts[0]) < len(tree):
@@ -180,6 +195,8 @@ def _walk(tree: Any, place: str) -> tuple[Any, str]:
         if head is None:
             break
         tree, place = tree[head], place[len(head) + 1 :]
+    if not place and isinstance(tree, dict) and "value" in tree:
+        return tree["value"], ""
     return tree, place
 
 

@@ -10,6 +10,7 @@ from scipy.optimize import linear_sum_assignment
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.section import given
 from wrsim.inputs.toml_files import noting_reads
+from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import PLAIN, SHOWN, Shown
 from wrsim.results.moments import Array
@@ -17,9 +18,10 @@ from wrsim.study.calibration.sections import CalibrationFile, ValueSection
 from wrsim.study.candidates import ONLY, Candidates, read_candidates
 from wrsim.study.measurement.alignment import Pair, Shift, densities, found_shift, pairs, record_beside
 from wrsim.study.measurement.reading import Record
-from wrsim.study.outputs import case_outputs, reduced
+from wrsim.study.outputs import case_outputs, check_place, reduced
 from wrsim.study.plan import FileInput
 from wrsim.study.spec import OutputsSection
+from wrsim.study.task import begun
 
 MARGIN = 0.05
 """Part of a series at each end that is left out where its shift is looked for, at most."""
@@ -140,7 +142,7 @@ def _numbers(value: ValueSection, result: Result) -> Array:
     if value.summary is not None:
         outputs = case_outputs(result, OutputsSection(summary=(value.summary,)), None)
         if outputs.faults:
-            raise InputError(outputs.faults[0])
+            raise InputError(outputs.faults[0].replace("outputs", "[[value]]", 1))
         return np.array([*outputs.numbers.values()])
     return mode_numbers(value, result)
 
@@ -184,4 +186,7 @@ def read_calibration(file: Path, folder: Path, models: Sequence[str | Path]) -> 
             if value.frequencies_Hz and base.analysis != "stability":
                 with opened.naming("value", row, "frequencies_Hz"):
                     raise InputError(f'its scenario has analysis = "{base.analysis}"; must be "stability"')
+            if value.summary and ANALYSES[base.analysis].moves:
+                with opened.naming("value", row, "summary"):
+                    check_place(begun(base), value.summary)
     return Calibration(opened, candidates, records, tuple(seen))

@@ -22,7 +22,7 @@ from wrsim.results.table import finite
 from wrsim.scenario.build import build
 from wrsim.study.candidates import Candidate, Candidates, CandidatesFile, OneScenario, read_candidates
 from wrsim.study.engine import missing
-from wrsim.study.outputs import assessment_name, case_outputs, margin_name, place_name
+from wrsim.study.outputs import assessment_name, case_outputs, check_place, margin_name, place_name
 from wrsim.study.plan import FileInput
 from wrsim.study.spec import NUMBERS, REDUCTIONS, CasesSection, ChannelOutput, Hook, Name, OutputsSection
 from wrsim.study.task import begun
@@ -124,6 +124,10 @@ class ConstraintSection(SoughtOutput, header="[[constraint]]"):
         """What is allowed, for each of its margins."""
         bounds = (("at least", self.at_least), ("at most", self.at_most))
         return [f"{word} {bound:g}" for word, bound in bounds if bound is not None] or ["at least 0"]
+
+
+Sought = tuple[str, int, SoughtOutput]
+"""An objective or a constraint with its place in the file."""
 
 
 class SearchSection(Section, header="[search]"):
@@ -295,18 +299,20 @@ def read_optimisation(file: Path, folder: Path, models: Sequence[str | Path] = (
         given = FileInput(file, "optimisation file", OptimisationFile, models)
         spec: OptimisationFile = given.spec
         names = [name for name, *_ in spec.named_bases()]
-        sought = [(key, i, one) for key in ("objective", "constraint") for i, one in enumerate(getattr(spec, key))]
+        sought: list[Sought] = [
+            (key, i, one) for key in ("objective", "constraint") for i, one in enumerate(getattr(spec, key))
+        ]
         hooks: dict[str, str] = {}
         for key, i, one in sought:
-            for name in names if one.hook else ():
-                if one.scenario in (None, name) and hooks.setdefault(name, one.hook) != one.hook:
+            for name in names:
+                if one.hook and one.scenario in (None, name) and hooks.setdefault(name, one.hook) != one.hook:
                     with given.naming(key, i, "hook", value=one.hook):
                         raise InputError(f"must be one hook a scenario: '{name}' has {hooks[name]}")
         files = {name: given.hook_file(hook, "objective") for name, hook in hooks.items()}
         outputs = {name: _united(one for _, _, one in sought if one.scenario in (None, name)) for name in names}
         candidates = read_candidates(given, folder, outputs, files)
     for scenario in candidates.scenarios:
-        _probe(candidates, scenario)
+        _probe(candidates, scenario, [each for each in sought if each[2].scenario in (None, scenario.name)])
     weights = {scenario.name: scenario.weight for scenario in candidates.scenarios}
 
     def of_scenarios(sections: Sequence[SoughtOutput]) -> tuple[Output, ...]:
@@ -334,20 +340,22 @@ def _united(sought: Iterable[SoughtOutput]) -> OutputsSection:
     )
 
 
-def _probe(candidates: Candidates, scenario: OneScenario) -> None:
+def _probe(candidates: Candidates, scenario: OneScenario, sought: Sequence[Sought]) -> None:
     """Refuse outputs that no case of a scenario can have, by its start: the first steps of a run, whose channels are
     those of the whole, or the case itself where it takes seconds. Raises InputError."""
     values = candidates.values(candidates.start)
     moves = ANALYSES[scenario.base.analysis].moves
-    if not missing(candidates.plan(scenario, [values])[0]) or (moves and not scenario.outputs.channels):
+    early = [each for each in sought if not moves or each[2].channel or each[2].summary]
+    if not early or not missing(candidates.plan(scenario, [values])[0]):
         return
     start = scenario.base.with_values(candidates.changes(values))
-    wanted = scenario.outputs
-    if moves:
-        wanted = OutputsSection(channels=wanted.channels)
+    hook = Path(scenario.hook) if scenario.hook else None
     with suppress(SimulationError):  # a start that fails is told with the others
         result = begun(start) if moves else run(start, setup=build(start), threads=1)
-        if faults := case_outputs(result, wanted, Path(scenario.hook) if scenario.hook else None).faults:
-            raise InputError(
-                "\n".join(f"{candidates.given.file}: scenario {scenario.name}: {fault}" for fault in faults)
-            )
+        for key, i, one in early:
+            if moves and one.summary:
+                with candidates.given.naming(key, i, "summary"):
+                    check_place(result, one.summary)
+            elif faults := case_outputs(result, one.outputs(), hook).faults:
+                with candidates.given.naming(key, i):
+                    raise InputError(faults[0].removeprefix("outputs."))
