@@ -25,7 +25,8 @@ class Analysis:
 
     own_track: it lays its own track, and something has to hold the speed; loaded: loads act in it; points: it needs
     points at which accelerations are stored; origins: rails may be placed by the origins of their profiles; conical:
-    wheels may be conical with a prescribed creep law; compared: contact models can be compared in it.
+    wheels may be conical with a prescribed creep law; rollers: wheels may be on rollers; compared: contact models can
+    be compared in it.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Analysis:
     points: bool = False
     origins: bool = False
     conical: bool = False
+    rollers: bool = False
     compared: bool = False
 
     @property

@@ -48,6 +48,22 @@ def test_everything_is_si_behind_build() -> None:
     assert setup.contact.rail.shear_modulus == pytest.approx(82.03e9, rel=1e-4)
 
 
+ON_ROLLERS = {"track.rollers": {"radius_mm": 800.0}}
+REFUSED_ON_ROLLERS = table("keys_that_rollers_refuse")
+
+
+@pytest.mark.parametrize(("scenario", "keys", "message"), REFUSED_ON_ROLLERS)
+def test_keys_that_rollers_refuse(scenario, keys, message):
+    with pytest.raises(InputError, match=message):
+        build(load(SCENARIOS / f"{scenario}.toml").with_values(ON_ROLLERS | keys))
+
+
+def test_rollers_are_si_behind_build_and_told_in_the_result() -> None:
+    setup = build(load(SCENARIOS / "equilibrium_s1002.toml").with_values(ON_ROLLERS))
+    assert setup.roller == pytest.approx(0.8)
+    assert setup.attributes()["structure"] == "rollers of radius 800 mm, every wheelset over their tops"
+
+
 def test_elasticity_of_rails_and_a_limit_of_slip_are_si_behind_build() -> None:
     keys = {"vehicle.drive": "wheels", "vehicle.slip_control": {"slip_kmh": 3.6, "creepage": 0.1}}
     setup = build(load(SCENARIOS / "manchester_mixed_line.toml").with_values(keys))

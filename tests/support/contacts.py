@@ -119,7 +119,7 @@ def wheel_at(table: Array, step: float, radius: float, origin: Array, axle: Arra
     """A wheel as the kernels take it, from its profile's table; origin, axle: (3,) in rail axes."""
     pose = WheelPose(Vec(*map(float, origin)), Vec(*map(float, axle)), Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0))
     none = np.zeros((0, 0))
-    return placed(Table(table, float(step)), radius, pose, Shape(none, none, 0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    return placed(Table(table, float(step)), radius, pose, Shape(none, none, 0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0)
 
 
 def columns(rows: Array, names: str) -> Array:

@@ -156,6 +156,8 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         yawed = model.evaluate((0.0, 1e-4, 0.45993), (-0.01, sqrt(1.0 - 1e-4), 0.0), wheel_angle=0.03)
         found[f"wheel out of round, {normal}"] = numbers(yawed)
     few = ContactSettings(normal="kik-piotrowski", strips=6, cells=4)
+    rig = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, few, FRICTION, roller=0.8)
+    found["roller"] = numbers(rig.evaluate((0.0, 1e-4, 0.45991), (-0.01, sqrt(1.0 - 1e-4), 0.0), (20.0, 0.0, 0.0)))
     many = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, few, FRICTION)
     poses = np.array([[0.0, o, 0.45995, 0.0, 1.0, 0.0, 20.0, 0.0, 0.0, 0.0, 43.7, 0.0] for o in (0.0, 1e-4)])
     for threads in (1, 2):

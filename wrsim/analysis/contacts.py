@@ -27,7 +27,7 @@ def contact_models(setup: Setup, wheelset: Wheelset | None = None) -> tuple[Cont
     wheelset = wheelset or setup.wheelset
     wheels = (wheelset.left, wheelset.right)
     left, right = (
-        contact_model(wheel.profile, rail, wheel.radius, settings, friction, surface, wheel.out_of_round)
+        contact_model(wheel.profile, rail, wheel.radius, settings, friction, surface, wheel.out_of_round, setup.roller)
         for wheel, rail, friction, surface in zip(wheels, setup.rails, settings.friction, setup.surfaces, strict=True)
     )
     return left, right

@@ -89,7 +89,7 @@ def press_lobes(model: Record, pose: WheelPose, lobes: Records, strips: Records,
             matrix[i, j] = 0.0
         if n == 0:
             continue
-        set_creepages(pose, model.least_speed, lobe, strips[i], n)
+        set_creepages(pose, model, lobe, strips[i], n)
         influence = own_influence(strips[i], n, lobe.half_length)
         if count == 1:
             amplitude[0] = stiffness * lobe.approach / influence

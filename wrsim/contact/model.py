@@ -67,7 +67,8 @@ class ContactModel:
 
     wheel, rail: profiles, the rail already inclined; radius: of the wheel at the tape circle [m]; friction: of this
     rail, everywhere or along it; rolled: the effective profile of a rail that changes along the track, in whose place
-    ``rail`` is drawn; out_of_round: what the wheel's radius deviates by. The arrays are what the kernel takes; scratch
+    ``rail`` is drawn; out_of_round: what the wheel's radius deviates by; roller: radius of a roller of that profile, in
+    place of a rail [m]. The arrays are what the kernel takes; scratch
     arrays belong to the model, so one model serves one thread."""
 
     wheel: Profile
@@ -78,6 +79,7 @@ class ContactModel:
     normal: NormalModel
     rolled: RolledRail | None = None
     out_of_round: tuple[Part, ...] = ()
+    roller: float | None = None
     workspace: Workspace | None = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
@@ -344,6 +346,7 @@ def _inputs(model: ContactModel, of_cells: int = 0) -> Arrays:
     n.wheel_step, n.radius, n.rail_step = wheel_step, model.radius, rail.step
     n.rows, n.field_rows, n.slack = rail.rows, rail.field_rows, rail.slack
     (n.field_o, n.field_b), n.field_spacing = field_.origin, field_.spacing
+    n.roller = 0.0 if model.roller is None else 1.0 / model.roller
     n.stride = max(1, round(SEARCH_REACH / wheel_step))
     depth = branches = np.zeros((0, 0))
     if model.out_of_round:

@@ -36,6 +36,7 @@ NORMAL_MODELS: dict[Normal, NormalModel] = {
 }
 
 LARGEST = 100.0  # radius of a wheel; bodies of comparisons with ellipses are larger than any wheel [m]
+LEAST_ROLLER, LARGEST_ROLLER = 0.1, 1e9  # radius of a roller; the largest one is a rail [m]
 
 
 def contact_model(
@@ -46,6 +47,7 @@ def contact_model(
     friction: AnyFriction = DRY,
     surface: RailSurface | None = None,
     out_of_round: Sequence[Part] = (),
+    roller: float | None = None,
 ) -> ContactModel:
     """The contact model of one wheel on one rail.
 
@@ -63,6 +65,8 @@ def contact_model(
         A rail whose profile changes along the track, of whose kind and gauge ``rail`` is.
     out_of_round : sequence of Harmonic, Flat or RadiusTable
         What the radius of the wheel deviates by, in sum.
+    roller : float, optional
+        Radius at the origin of the rail's profile of a roller, which turns under the wheel in place of a rail [m].
 
     Returns
     -------
@@ -101,7 +105,12 @@ def contact_model(
     normal = NORMAL_MODELS[settings.normal]
     if parts and not np.any(shape_tables(parts, wheel, radius).depth):
         parts = ()
-    return ContactModel(wheel, rail, radius, settings, law, normal, rolled, parts)
+    if roller is not None:
+        if not LEAST_ROLLER <= roller <= LARGEST_ROLLER:
+            raise InputError(f"roller = {roller:g}: must be a radius from {LEAST_ROLLER:g} to {LARGEST_ROLLER:g} m")
+        if rolled is not None or parts:
+            raise InputError("roller: is for round wheels and a profile that does not change along the rail")
+    return ContactModel(wheel, rail, radius, settings, law, normal, rolled, parts, roller)
 
 
 def fast_model(model: ContactModel) -> ContactModel:
@@ -125,4 +134,5 @@ def exact_model(model: ContactModel) -> ContactModel:
 
 def _same_bodies(model: ContactModel, settings: ContactSettings) -> ContactModel:
     surface = None if model.rolled is None else model.rolled.surface
-    return contact_model(model.wheel, model.rail, model.radius, settings, model.friction, surface, model.out_of_round)
+    bodies = model.wheel, model.rail, model.radius
+    return contact_model(*bodies, settings, model.friction, surface, model.out_of_round, model.roller)

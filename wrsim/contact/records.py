@@ -22,6 +22,7 @@ MODEL = record("""
     least_speed  [m/s]  rolling speed below which creepages are regularised
     wheel_step   [m]    arclength between rows of the wheel's table
     radius       [m]    of the wheel at the tape circle
+    roller       [1/m]  inverse of the radius of a roller, at its profile's origin; 0 for a rail
     rail_step    [m]    arclength between rows of the rail's table
     field_o      [m]    outward coordinate at which the rail's distances begin
     field_b      [m]    height at which the rail's distances begin
@@ -240,6 +241,7 @@ class Rail(NamedTuple):
     yaw: float  # component of the axle along the rail [1]
     o: float  # outward coordinate of the wheel [m]
     radius: float  # of the wheel [m]
+    roller: float  # inverse of the radius of a roller [1/m]
 
 
 class Shape(NamedTuple):
@@ -264,6 +266,7 @@ class PlacedWheel(NamedTuple):
     axle: Vec  # unit vector e outward [1]
     q: float  # sqrt(1 - e_t^2) [1]
     lean: float  # e_t of a round wheel, 0 of one out of round [1]
+    roller: float  # inverse of the radius of the roller under it [1/m]
     shape: Shape
 
 

@@ -31,28 +31,34 @@ def _on_wheel(at: Frame, penetration: float) -> Vec:
 
 
 @inlined
-def _set_creepages(row: Record, penetration: float, pose: WheelPose, inverse: float) -> float:
+def _set_creepages(row: Record, penetration: float, pose: WheelPose, inverse: float, roller: float) -> float:
     """Write xi, eta, phi of a strip or a lobe; returns the velocity along its normal."""
     at = _frame(row)
     velocity = add(pose.velocity, cross(pose.omega, sub(_on_wheel(at, penetration), pose.origin)))
+    omega, rate = pose.omega, roller * pose.velocity.x
+    if rate != 0.0:
+        omega = Vec(omega.x, omega.y + rate, omega.z)
+        place = _on_wheel(at, -penetration)  # on the undeformed roller
+        velocity = add(velocity, Vec(rate * place.z, 0.0, -rate * place.x))
     row.xi = dot(velocity, at.t) * inverse
     row.eta = dot(velocity, at.n) * inverse
-    row.phi = dot(pose.omega, at.b) * inverse
+    row.phi = dot(omega, at.b) * inverse
     return dot(velocity, at.b)
 
 
 @kernel
-def set_creepages(pose: WheelPose, least_speed: float, lobe: Record, strips: Records, n: int) -> None:
+def set_creepages(pose: WheelPose, model: Record, lobe: Record, strips: Records, n: int) -> None:
     """Creepages (creep-creepages) of each strip and of the main point: velocity of the wheel over the rolling speed.
 
-    The rail rests. v = v_origin + omega x r on the wheel's undeformed surface, projected on the strip's (t, t_s); spin
-    is omega . n(s). Writes xi, eta, phi of the strips and the lobe, and closing (rate of approach) of the lobe. The
-    speed is held above ``least_speed`` [m/s].
+    The rail rests; a roller turns with the wheel's speed at its profile's origin (roller-creepages).
+    v = v_origin + omega x r on the wheel's undeformed surface, projected on the strip's (t, t_s); spin is omega . n(s).
+    Writes xi, eta, phi of the strips and the lobe, and closing (rate of approach) of the lobe. The speed is held above
+    the model's least.
     """
-    inverse = 1.0 / sqrt(pose.velocity.x * pose.velocity.x + least_speed * least_speed)
-    lobe.closing = -_set_creepages(lobe, lobe.approach, pose, inverse)
+    inverse = 1.0 / sqrt(pose.velocity.x * pose.velocity.x + model.least_speed * model.least_speed)
+    lobe.closing = -_set_creepages(lobe, lobe.approach, pose, inverse, model.roller)
     for i in range(n):
-        _set_creepages(strips[i], strips[i].penetration, pose, inverse)
+        _set_creepages(strips[i], strips[i].penetration, pose, inverse, model.roller)
 
 
 @kernel

@@ -96,7 +96,7 @@ def place_bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
         a.depth, a.branches, model.depth_rows, model.depth_first, model.depth_step, model.depth_least,
         call.wheel_angle, call.averaged,
     )  # fmt: skip
-    wheel = placed(ProfileTable(a.wheel, model.wheel_step), model.radius, pose, shape)
+    wheel = placed(ProfileTable(a.wheel, model.wheel_step), model.radius, pose, shape, model.roller)
     place = call.place + pose.origin.x
     if a.friction.shape[0] > 0:
         set_law(a.friction, place, call)
@@ -109,13 +109,13 @@ def place_bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
         if sine != 0.0:
             call.sine, call.about = sine, pose.origin.x
             pose = pose_in_rail_axes(a)
-            wheel = placed(wheel.profile, model.radius, pose, shape)
+            wheel = placed(wheel.profile, model.radius, pose, shape, model.roller)
             ahead = pose.origin.x - call.about
             share = share_at(a.stations[0], model.rows, place + ahead * sqrt(1.0 - sine * sine), i)
         state.station = share.at
     rail = Rail(
         a.rail, a.rates, a.stations[0], model.rail_step, model.rows, share, place, call.sine, ahead,
-        call.twist, call.bow_o, call.bow_b, pose.axle.x, pose.origin.y, model.radius,
+        call.twist, call.bow_o, call.bow_b, pose.axle.x, pose.origin.y, model.radius, model.roller,
     )  # fmt: skip
     return wheel, rail, pose
 

@@ -59,15 +59,15 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     if energy := summary.get("energy"):
         parts = [(words, energy[key]) for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
         tables.append(Table("Energy balance", (Column(), Column("work", "kJ")), parts))
-    rails = [f"rails: {summary['structure']}"] if "structure" in summary else []
-    notes = (*first_lines(happened(summary), "events"), *rails, *integration(summary))
+    notes = (*first_lines(happened(summary), "events"), *integration(summary))
     return [*tables, Table("", notes=notes)] if notes else tables
 
 
 def numbers_of(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     """What people read first of a result of any analysis, and the remarks on its contacts."""
     tables: list[Table] = resolved(ANALYSES[str(dataset.attrs["analysis"])].numbers)(dataset, summary)
-    notes = (*summary.get("profiles", ()), *first_lines(remarks(summary), "remarks"))
+    rails = [f"rails: {summary['structure']}"] if "structure" in summary else []
+    notes = (*rails, *summary.get("profiles", ()), *first_lines(remarks(summary), "remarks"))
     return [*tables, Table("", notes=notes)] if notes else tables
 
 

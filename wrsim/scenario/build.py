@@ -47,10 +47,11 @@ class Setup(Generic[P]):
     """Everything an analysis needs, in SI units, and the text it came from.
 
     drive: what holds the vehicle's speed; rails: inclined profiles of the left and right rail; surfaces: of rails that
-    change along the track, else None; conical: wheels in place of profiles and contact models; plan: what the analysis
-    has to do, from its own table; files: model files that were read; inputs: SHA-256 of every file that was read, by
-    its name; kept: names and contents of the model files (`wrsim.scenario.kept`); threads: that compute contacts, which
-    changes no number; support: what the rails of a run rest on; begun: where irregularities fade in at its start."""
+    change along the track, else None; roller: radius of rollers in place of rails [m]; conical: wheels in place of
+    profiles and contact models; plan: what the analysis has to do, from its own table; files: model files that were
+    read; inputs: SHA-256 of every file that was read, by its name; kept: names and contents of the model files
+    (`wrsim.scenario.kept`); threads: that compute contacts, which changes no number; support: what the rails of a run
+    rest on; begun: where irregularities fade in at its start."""
 
     title: str
     analysis: str
@@ -58,6 +59,7 @@ class Setup(Generic[P]):
     drive: Drive
     rails: tuple[Profile, Profile]
     surfaces: tuple[RailSurface | None, RailSurface | None]
+    roller: float | None
     track: Track
     contact: ContactSettings
     conical: ConicalWheels | None
@@ -141,6 +143,7 @@ def _build(scenario: Scenario) -> Setup[Any]:
     if any(surfaces) and getattr(plan, "wear", None) is not None:
         message = "knows rails of one profile only, not [[track.rail_sections]]"
         raise scenario.fault(("wear", "laws"), message)
+    rollers = spec.track.rollers
     track, begun = track_of_run(track, vehicle, plan) if analysis.moves else (track, "")
     return Setup(
         title=spec.title,
@@ -149,12 +152,13 @@ def _build(scenario: Scenario) -> Setup[Any]:
         drive=drive,
         rails=rails,
         surfaces=surfaces,
+        roller=None if spec.track.rollers is None else spec.track.rollers.radius_mm / 1e3,
         track=track,
         contact=contact_of(scenario, track),
         conical=None if spec.contact.conical is None else spec.contact.conical.to_si(ConicalWheels),
         plan=plan,
         text=scenario.text,
-        support=support_words(track, spec.track.structure is None) if analysis.moves else "",
+        support=support_words(track, spec.track.structure is None, rollers) if analysis.moves or rollers else "",
         begun=begun,
     )
 
@@ -176,6 +180,9 @@ def _unfit(scenario: Scenario, analysis: Analysis, vehicle: Vehicle) -> Iterator
         if spec.contact.conical is not None:
             message = "knows rigid wheelsets only; the wheels of this vehicle turn against each other"
             yield ("contact", "conical"), message
+    wheels = [wheel for mounted in vehicle.wheelsets for wheel in (mounted.wheelset.left, mounted.wheelset.right)]
+    if spec.track.rollers is not None and any(wheel.out_of_round for wheel in wheels):
+        yield model, "has wheels out of round; [track.rollers] are for round ones"
     if spec.contact.normal == "half-space" and any(m.wheelset.axle is not None for m in vehicle.wheelsets):
         yield ("contact", "normal"), 'cannot be "half-space" with elastic axles, [wheelset.axle]: the fast models only'
     if isinstance(spec.vehicle.speed_kmh, SpeedTable) and analysis.moves and not taken_along:

@@ -56,6 +56,13 @@ class ScenarioSpec(Section, header="a scenario"):
         kind = structure.get("kind") if isinstance(structure, dict) else None
         if kind == "sleepers":
             yield from _of_sleepers(name, raw, contact)
+        if "rollers" in track:
+            if not (analysis and analysis.rollers):
+                yield Fault(("track", "rollers"), f"is for {_where('rollers')} only")
+            if "conical" in contact:
+                yield Fault(("track", "rollers"), "cannot be combined with [contact.conical]")
+            if kind in ("sleepers", "bridge"):
+                yield Fault(("track", "structure", "kind"), f'cannot be "{kind}" with [track.rollers]')
         if kind == "bridge" and contact.get("normal") == "half-space":
             yield Fault(("contact", "normal"), 'cannot be "half-space" on a bridge: the fast models only')
         if analysis is not None:

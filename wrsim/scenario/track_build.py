@@ -27,7 +27,7 @@ from wrsim.scenario.merging import BASE, FILE
 from wrsim.scenario.sections.irregularities import TableSection
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.structure import MovingMassStructure
-from wrsim.scenario.sections.track import CheckRailSection
+from wrsim.scenario.sections.track import CheckRailSection, RollersSection
 from wrsim.track.crossing import read_crossing
 from wrsim.track.irregularities import Disturbance
 from wrsim.track.segments import Grade, Laws, Segment, Straight, laws
@@ -109,7 +109,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
         with scenario.faults_at(key):
             uneven += entry.disturbances(law.curvature.end, file)
     structure, rests_on = None, section.structure
-    if rests_on is None and ANALYSES[scenario.analysis].moves:
+    if rests_on is None and section.rollers is None and ANALYSES[scenario.analysis].moves:
         rests_on = MovingMassStructure(kind="moving mass")
     if rests_on is not None:
         with scenario.faults_at(("track", "structure")):
@@ -149,8 +149,11 @@ def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, 
     return track.faded(float(places.max()), length), message
 
 
-def support_words(track: Track, default: bool) -> str:
+def support_words(track: Track, default: bool, rollers: RollersSection | None) -> str:
     """What the rails of a run rest on; default: nobody has said it."""
+    if rollers is not None:
+        below = "" if track.structure is None else f"; {support_words(track, False, None)}"
+        return f"rollers of radius {plain_number(rollers.radius_mm)} mm, every wheelset over their tops{below}"
     if not isinstance(track.structure, RailElasticity):
         beam, on_bridge = isinstance(track.structure, SleeperTrack), track.bridge is not None
         return ("beams on sleepers" if beam else "rigid") + (" on a bridge" if on_bridge else "")

@@ -84,8 +84,8 @@ class PoseSolver:
         for wheel, rail in self._on_rails():
             a = wheel.model.arrays
             set_pose(self._body, rail, float(wheel.side), wheel.half_spacing, a.pose)
-            # the section of the rail beside the wheel
-            a.pose[0] = 0.0
+            if wheel.model.roller is None:  # the section of the rail beside the wheel
+                a.pose[0] = 0.0
 
     def _sum_up(self) -> None:
         """Force and moment of all wheels' contacts."""

@@ -217,6 +217,8 @@ def arrays_of_wheels(wheelset: Wheelset, track: Track, contacts: tuple[ContactMo
     for rail, model, side in zip((track.left, track.right), contacts, (1.0, -1.0), strict=True):
         wheel = np.zeros(1, wheel_kernel.WHEEL)
         wheel["side"], wheel["half_spacing"], wheel["step"] = side, 0.5 * wheelset.profile_spacing, rail.step
+        # a wheelset's middle is over the tops of its rollers, whatever its yaw
+        wheel["beside"] = wheel["half_spacing"] if model.roller is None else 0.0
         arrays += [wheel, rail.curve.nodes, *model.inputs]
     return arrays
 

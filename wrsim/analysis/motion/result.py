@@ -229,7 +229,9 @@ def _block(
         if law.gears:
             stacked["shaft_moment"] = shaft
     if vehicle.bodies:
-        stacked |= states.body_channels(law, q, q_t, bodies) | states.energy_channels(law, q, q_t)
+        stacked |= states.body_channels(law, q, q_t, bodies)
+        if all(wheel.model.roller is None for pair in law.wheels for wheel in pair):  # drives of rollers
+            stacked |= states.energy_channels(law, q, q_t)
         stacked |= dict(zip(("creep_power", "damper_power", "pull_power"), powers, strict=True))
     if seats:
         stacked["axle_box_acceleration"] = accelerations[:, len(own_points) :, 2].reshape(n, count, 2)

@@ -126,7 +126,10 @@ def _damping(grid: Grid, damping: float) -> Array:
     if not len(grid.bodies.wheel.shape.depth):
         turning = omega - (omega @ axle) * axle
     arm = np.column_stack([grid.axis["x"], grid.centre]) - origin
-    closing = -((velocity + np.cross(turning, arm)) * grid.axes[2]).sum(axis=1)
+    motion = velocity + np.cross(turning, arm)
+    if grid.bodies.rail.roller > 0.0:
+        motion -= grid.bodies.roller_velocity(arm.T).T
+    closing = -(motion * grid.axes[2]).sum(axis=1)
     return np.maximum(1.0 + damping * closing, 0.0)[:, None]
 
 

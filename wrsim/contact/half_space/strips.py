@@ -43,7 +43,7 @@ def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
         lobe, strips, n = a.patches[i], a.strips[i], len(region.p)
         _write_region(patch, region, lobe, strips[:n])
         lobe.group = i
-        set_creepages(pose, a.model.least_speed, lobe, strips, n)
+        set_creepages(pose, a.model, lobe, strips, n)
         if tangential != "none":
             set_friction(pose.velocity.x, a.inputs, a.model.least_speed, strips, n)
         add_lobe(pose, lobe, strips, n, total)

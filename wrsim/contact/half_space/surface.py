@@ -41,9 +41,25 @@ class Bodies:
         call = model.arrays.inputs
         return cls(wheel, rail, pose, surface, *(float(call[name]) for name in ("place", "sine", "about")))
 
+    @property
+    def changes(self) -> bool:
+        """Whether the rail's section changes along x: of such a rail, and of a roller."""
+        return self.surface is not None or self.rail.roller > 0.0
+
+    def roller_velocity(self, arms: Array) -> Array:
+        """Of a roller's material against a rail's, at places that far from the wheel's origin (3, ...) [m/s]."""
+        rate = self.rail.roller * self.pose.velocity.x
+        x, _o, b = arms + np.reshape(self.pose.origin, (3, *(1,) * (arms.ndim - 1)))
+        return np.stack((-rate * b, 0.0 * x, rate * x))
+
     def sections(self, x: Array, out: float) -> tuple[Array, NDArray[np.int64]]:
         """`RailSurface.rows` at x (n,), seen along the axes; out: about where they are of use [m]."""
-        assert self.surface is not None
+        if self.surface is None:
+            u, w, tu, tw = self.rail.table[:, :4].T
+            sine = x[:, None] * self.rail.roller / (1.0 + w * self.rail.roller)
+            cosine = np.sqrt(1.0 - sine**2)
+            rows = np.stack(np.broadcast_arrays(u, w - x[:, None] * sine / (1.0 + cosine), tu, tw / cosine), axis=-1)
+            return np.ascontiguousarray(rows), np.array([0, u.size])
         cosine = sqrt(1.0 - self.sine**2)
         way = (x - self.about) * cosine - out * self.sine
         rows, parts = self.surface.rows(self.place + self.about + way)
@@ -84,7 +100,7 @@ class Axis:
         surface.lay_axis(
             self.bodies.wheel, self.bodies.rail, self.arc_wheel, self.arc_rail, self.level, start, step, rows
         )
-        if self.bodies.surface is None:
+        if not self.bodies.changes:
             rows["slope"] = 0.0
 
 
@@ -158,7 +174,7 @@ class Grid:
         """Interpenetration, and distance along the normal from the reference to the wheel [m]."""
         gap = np.empty((2, len(self.axis), len(self.x)))
         bodies, x0 = self.bodies, float(self.x[0])
-        if bodies.surface is None:
+        if not bodies.changes:
             surface.fill_gap(bodies.wheel, bodies.rail, self.axis, x0, self.dx, gap[0], gap[1])
         else:
             rows, parts = bodies.sections(self.x, float(self.axis[self.main]["o"]))
@@ -184,12 +200,19 @@ class Grid:
         pose = self.bodies.pose
         arms = self.arms(self.x + ahead, self._gap[1])
         u = np.reshape(pose.velocity, (3, 1, 1)) + np.cross(pose.omega, arms, axisb=0, axisc=0)
-        along, across, normal = np.einsum("drk,krc->drc", self.axes, u)
         # the rail's material comes at minus the wheel's speed along the rail, the wheel's at u less that
-        speed = pose.velocity.x
-        mean = along - 2.0 * speed
-        size = np.hypot(mean, normal)
-        turned = -np.copysign(1.0, speed) * (along * mean + normal**2) / np.where(size > 0.0, size, 1.0)
+        speed, rising = pose.velocity.x, 0.0
+        mean = -2.0 * speed
+        if self.bodies.rail.roller > 0.0:
+            of_roller = self.bodies.roller_velocity(self.arms(self.x + ahead, self._gap.sum(axis=0)))
+            u = u - of_roller
+            of_roller[0] -= speed
+            mean, _, rising = 2.0 * np.einsum("drk,krc->drc", self.axes, of_roller)
+        along, across, normal = np.einsum("drk,krc->drc", self.axes, u)
+        mean = along + mean
+        size = np.hypot(mean, normal + rising)
+        turned = -np.copysign(1.0, speed) * (along * mean + normal * (normal + rising))
+        turned /= np.where(size > 0.0, size, 1.0)
         slip = np.stack([np.where(size > 1e-3 * least_speed, turned, along), across])
         return slip / np.hypot(speed, least_speed)
 

@@ -11,6 +11,11 @@ the outline has a cusp. k_t is held at ``LEAST_ROLLING_CURVATURE`` k1 there; no 
 A wheel out of round (surfaces.wheel_shape) has the curvatures (oor-curvature); with r_u and r_theta along profile and
 circumference, t = a r_u + b r_theta, the arclength of its outline per arclength of the profile is
 (du/dL) |r_u - (r_u . t) t| k_t / (b II(t, r_theta)).
+
+On a roller, a body of revolution about an axle parallel to o, the outline is that of the wheel seen along circles about
+this axle, turned into the section over it: the roller's profile is met there as that of a rail. The wheel's normal is
+across to the circle's tangent t (roller-locus), which is linear in sine and cosine of theta, and curvatures of both
+bodies along t add up (roller-curvature).
 """
 
 from math import sqrt
@@ -61,11 +66,11 @@ class Node(NamedTuple):
 
 
 @inlined
-def placed(profile: ProfileTable, radius: float, pose: WheelPose, shape: Shape) -> PlacedWheel:
-    """The wheel of that profile, radius and shape in that pose."""
+def placed(profile: ProfileTable, radius: float, pose: WheelPose, shape: Shape, roller: float) -> PlacedWheel:
+    """The wheel of that profile, radius and shape in that pose; roller: inverse of its radius [1/m]."""
     e_t = pose.axle.x
     lean = e_t if shape.depth.shape[0] == 0 else 0.0
-    return PlacedWheel(profile, radius, pose.origin, pose.axle, sqrt(1.0 - e_t * e_t), lean, shape)
+    return PlacedWheel(profile, radius, pose.origin, pose.axle, sqrt(1.0 - e_t * e_t), lean, roller, shape)
 
 
 @inlined
@@ -81,6 +86,8 @@ def locus_point(wheel: PlacedWheel, arc: float) -> Locus:
     profile = profile_point(wheel.profile, arc)
     u = profile.u
     rho = wheel.radius - profile.w
+    if wheel.roller > 0.0:
+        return _roller_point(wheel, profile)
     if wheel.lean == 0.0:
         if wheel.shape.depth.shape[0] > 0:
             return _out_of_round_point(wheel, profile)
@@ -133,6 +140,8 @@ def locus_node(wheel: PlacedWheel, profile: ProfilePoint, largest: float) -> Nod
     origin, e, q = wheel.origin, wheel.axle, wheel.q
     if wheel.shape.depth.shape[0] > 0:
         return _out_of_round_node(wheel, profile)
+    if wheel.roller > 0.0:
+        return _roller_node(wheel, profile, largest)
     rho = wheel.radius - profile.w
     iq = 1.0 / q
     sine = -profile.tw * e.x * iq / max(profile.tu, 1e-3)
@@ -147,6 +156,75 @@ def locus_node(wheel: PlacedWheel, profile: ProfilePoint, largest: float) -> Nod
         profile.tw * e.z + profile.tu * db,
         sine,
     )
+
+
+class _OnRoller(NamedTuple):
+    """Point of a wheel over a roller (x, o, b) in rail axes; its normal in the roller's section; tangent and secant of
+    the angle about the roller's axle; height in that section over b [m]; b over the roller's axle, of its radius."""
+
+    x: float
+    o: float
+    b: float
+    no: float
+    nb: float
+    tangent: float
+    secant: float
+    lift: float
+    size: float
+
+
+@inlined
+def _roller_sine(wheel: PlacedWheel, profile: ProfilePoint) -> float:
+    """Sine of theta at which the wheel is met along the roller (roller-locus), beyond 1 where nowhere."""
+    origin, e, q, k = wheel.origin, wheel.axle, wheel.q, wheel.roller
+    tu, tw, rho = max(profile.tu, 1e-3), profile.tw, (wheel.radius - profile.w) * k
+    ahead, above = (origin.x + profile.u * e.x) * k, 1.0 + (origin.z + profile.u * e.z) * k
+    mixed = (tw * e.x * rho - tu * ahead) / q
+    of_sine = q * (tu * above - tw * e.z * rho) - e.x * e.z * mixed
+    of_cosine, constant = -e.y * mixed, tw * (e.x * above - e.z * ahead)
+    size = of_sine * of_sine + of_cosine * of_cosine
+    root = sqrt(max(size - constant * constant, 0.0))
+    return -(of_sine * constant + of_cosine * root) / max(size, 1e-12)
+
+
+@inlined
+def _over_roller(wheel: PlacedWheel, profile: ProfilePoint, sine: float) -> _OnRoller:
+    """The wheel's point at theta, and where the roller has it."""
+    origin, e, q, u = wheel.origin, wheel.axle, wheel.q, profile.u
+    rho, cosine = wheel.radius - profile.w, _cosine(sine * sine)
+    do, db = (cosine * e.z - sine * e.x * e.y) / q, (-cosine * e.y - sine * e.x * e.z) / q
+    x, b = origin.x + u * e.x + rho * sine * q, origin.z + u * e.z + rho * db
+    size = 1.0 + b * wheel.roller
+    tangent = x * wheel.roller / size
+    secant = sqrt(1.0 + tangent * tangent)
+    return _OnRoller(
+        x, origin.y + u * e.y + rho * do, b, profile.tw * e.y + profile.tu * do,
+        (profile.tw * e.z + profile.tu * db) * secant, tangent, secant, x * tangent / (1.0 + secant), size,
+    )  # fmt: skip
+
+
+@kernel
+def _roller_point(wheel: PlacedWheel, profile: ProfilePoint) -> Locus:
+    """As ``locus_point``."""
+    sine = min(max(_roller_sine(wheel, profile), -LARGEST_SINE), LARGEST_SINE)
+    on = _over_roller(wheel, profile, sine)
+    inverse_c = 1.0 / max(profile.tu, 1e-3)
+    sin_alpha = (wheel.axle.x - wheel.axle.z * on.tangent) / on.secant * inverse_c
+    sin2 = min(sin_alpha * sin_alpha, LARGEST_SINE * LARGEST_SINE)
+    r1 = (wheel.radius - profile.w) * inverse_c
+    bend = max(-on.nb, 0.0) * wheel.roller / (on.size * on.secant)  # of the roller along t
+    radius = r1 / (1.0 + bend * r1)
+    inverse_ratio = 1.0 / max(1.0 - sin2 + sin2 * (profile.k + bend) * radius, LEAST_ROLLING_CURVATURE)
+    k = profile.k + sin2 * bend * radius * (1.0 / r1 - profile.k)
+    return Locus(on.x, on.o, on.b + on.lift, on.no, on.nb, _cosine(sin2) * inverse_ratio, radius * inverse_ratio, r1, k)
+
+
+@kernel
+def _roller_node(wheel: PlacedWheel, profile: ProfilePoint, largest: float) -> Node:
+    """As ``locus_node``."""
+    sine = _roller_sine(wheel, profile)
+    on = _over_roller(wheel, profile, sine if abs(sine) < largest else 0.0)
+    return Node(on.o, on.b + on.lift, on.no, on.nb, sine)
 
 
 @kernel
@@ -207,7 +285,7 @@ def outline(
     """Outline of a wheel seen along its rail, for drawing: (o, b) at the arclengths ``arc`` to ``out`` (2, m). pose:
     (POSE,); depth, branches, numbers: of ``Shape``, (0, 0) and its numbers from rows to angle (5,)."""
     shape = Shape(depth, branches, int(numbers[0]), numbers[1], numbers[2], numbers[3], numbers[4], 0.0)
-    wheel = placed(ProfileTable(table, step), radius, read_pose(pose), shape)
+    wheel = placed(ProfileTable(table, step), radius, read_pose(pose), shape, 0.0)
     if depth.shape[0] > 0:
         find_branches(wheel)
     for i in range(arc.shape[0]):

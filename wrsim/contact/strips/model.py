@@ -143,7 +143,7 @@ def _assign_to_lobes(system: System, n: int, g: int, contacts: Records, lobes: R
 def _set_results(model: Record, pose: WheelPose, lobe: Record, strips: Records) -> None:
     """Damping, forces of the strips, and what a lobe reports. The strips' p comes as amplitude and goes as pressure."""
     n = lobe.n_strips
-    set_creepages(pose, model.least_speed, lobe, strips, n)
+    set_creepages(pose, model, lobe, strips, n)
     factor = max(1.0 + model.damping * lobe.closing, 0.0)
     largest, lobe.N, lobe.area, longest = set_pressures(strips, n, factor)
     lobe.p0 = _peak_pressure(strips, n, largest)

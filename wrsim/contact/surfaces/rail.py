@@ -171,8 +171,13 @@ def along(rail: Rail, envelope: Envelope, point: ProfilePoint, x: float, to_axle
     nothing where it is one profile that neither turns nor bends.
 
     The section rises along its normal by (surf-slope), omega = ``twist`` about (0, 0). It is touched so far ahead of x
-    that the true normal meets the axle, at the distance ``to_axle``: a wheel without friction is not driven.
+    that the true normal meets the axle, at the distance ``to_axle``: a wheel without friction is not driven. A roller
+    is met at x itself, for the locus holds its curvature.
     """
+    if rail.roller > 0.0:
+        sine = x * rail.roller / (1.0 + point.w * rail.roller)
+        cosine = sqrt(1.0 - sine * sine)
+        return Along(0.0, -x * sine / (1.0 + cosine), -point.tu * sine / cosine, 0.0)
     bow = rail.bow_b * point.tu - rail.bow_o * point.tw
     rise = rail.twist * (point.u * point.tu + point.w * point.tw) + bow * (x + envelope.ahead)
     rise /= max(1.0 - bow * to_axle, LEAST_PARTING)  # the way that it is ahead for this rise counts, too

@@ -178,6 +178,17 @@ class RailSectionSection(Section, header="[[track.rail_sections]]"):
     """How far the profile lies further away from the track centre than that of a plain rail."""
 
 
+class RollersSection(Section, header="[track.rollers]"):
+    """Rollers under all wheels in place of rails: a roller rig.
+
+    Each wheelset has its middle over the tops of its two rollers. These turn with the vehicle's speed at the origins of
+    their profiles, which are those of the rails.
+    """
+
+    radius_mm: Annotated[float, number(100, 1e12, "mm, such as 800")]
+    """Radius of the rollers at the origins of their profiles."""
+
+
 class TrackSection(Section, header="[track]"):
     """Gauge, rails, the way they are laid and what they rest on.
 
@@ -185,7 +196,11 @@ class TrackSection(Section, header="[track]"):
     in the plane of the track. For bare pairs of curves that have no gauge point.
     """
 
-    at_most_one = ("segments table", "check_rail check_rail_left", "check_rail check_rail_right")
+    at_most_one = (
+        "segments table", "check_rail check_rail_left", "check_rail check_rail_right", "rollers table",
+        "rollers grades", "rollers irregularities", "rollers rail_sections", "rollers check_rail",
+        "rollers check_rail_left", "rollers check_rail_right",
+    )  # fmt: skip
 
     file: Annotated[str, text('a track file such as "tracks/mixed_line.toml"')] | None = None
     """File of a track that many scenarios share; keys given here lie over its own, keys of a base beneath."""
@@ -224,6 +239,8 @@ class TrackSection(Section, header="[track]"):
     """What the rails rest on; without it a run in time has a mass on springs under each wheel."""
     rail_sections: List[RailSectionSection] = ()
     """Profiles of rails that change along the track, such as worn stretches, welds, crossings."""
+    rollers: RollersSection | None = None
+    """Rollers in place of rails."""
     row_distance_m: Annotated[float, number(0.01, 1, "m between the rows of the rails' tables")] | None = None
     """Distance between two rows of the tables that irregular or changing rails are read from."""
 
@@ -242,6 +259,10 @@ class TrackSection(Section, header="[track]"):
         if not self.gauge_mm <= self.cant_base * 1000.0 <= self.gauge_mm + 500.0:
             allowed = f"{plain_number(self.gauge_mm)} to {plain_number(self.gauge_mm + 500.0)}"
             yield Fault("cant_base_mm", f"must be from the gauge to 500 mm more ({allowed})")
+        level = StraightSegment(kind="straight", length_m=1.0)
+        for i, segment in enumerate(self.segments if self.rollers else ()):
+            if segment.model_copy(update={"length_m": 1.0}) != level:
+                yield Fault(("segments", i), "must be straight, without cant and widening: [track.rollers] are level")
         for side in SIDES:
             sections = on_side(self.rail_sections, side)
             if len(sections) == 1 and sections[0][1].rail is not None:

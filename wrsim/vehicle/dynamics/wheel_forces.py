@@ -27,6 +27,7 @@ WHEEL = record(
     """
     side         [1]     +1 left, -1 right
     half_spacing [m]     H/2
+    beside       [m]     distance from the wheelset's middle of the point beside which the rail's section is taken
     s            [m]     distance along the rail (a guess, updated)
     step         [m]     step of the rail's path
     rail_n       [m]     displacement of the rail under the wheel along n
@@ -117,7 +118,7 @@ def one_wheel(buffer: Array, index: Ints) -> int:
     body = get_body(wheel.body)
     put(wheel.force, ZERO)
     put(wheel.moment, ZERO)
-    s, bad = locate(rail, wheel_origin(body, wheel.side, wheel.half_spacing), wheel.s)
+    s, bad = locate(rail, wheel_origin(body, wheel.side, wheel.beside), wheel.s)
     if bad != 0:
         wheel.status = OFF_TRACK
         return OFF_TRACK
@@ -176,7 +177,7 @@ def place_on_rail(buffer: Array, index: Ints, i: int) -> float:
     """Distance of the wheel number i along its rail [m], that of the last evaluation where it has no place."""
     wheel = wheel_record(buffer, index, i)
     rail = CurveNodes(records(buffer, index[i * ARRAYS :], RAIL, NODE), wheel.step)
-    s, bad = locate(rail, wheel_origin(get_body(wheel.body), wheel.side, wheel.half_spacing), wheel.s)
+    s, bad = locate(rail, wheel_origin(get_body(wheel.body), wheel.side, wheel.beside), wheel.s)
     return s if bad == 0 else wheel.s
 
 
