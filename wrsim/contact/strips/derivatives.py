@@ -14,7 +14,7 @@ from wrsim.contact.strips.equations import (
     is_held,
     weight_of,
 )
-from wrsim.contact.strips.influence import find_terms, turned_influence
+from wrsim.contact.strips.influence import find_terms, turned_influence, turned_rates
 from wrsim.contact.strips.records import EDGES, MIDDLES, TERMS_PER_POINT, UNKNOWNS_PER_STRIP, System, V
 from wrsim.jit import Array, inlined, kernel
 
@@ -67,6 +67,11 @@ def _displacement_rows(system: System, n: int, g: int, i: int) -> None:
                 by_x += shift
                 by_s += lo - hi
                 by_middle = q * place.y * p[j] * place.log_slope - (shift * place.x_s if memo.has_shifts else 0.0)
+                if memo.curved:
+                    there, here = turned_rates(vectors, j, no, nb, strip.s, place.turn, place.side_s, strip.turn)
+                    push = share * place.q * place.y * p[j]
+                    by_middle += push * there
+                    by_s += push * here
                 by_start += hi * place.hi_start - lo * place.lo_start + by_middle * place.s_start
                 by_end += hi * place.hi_end - lo * place.lo_end + by_middle * place.s_end
                 m[row, column] += gap * by_y
@@ -149,6 +154,11 @@ def jacobian(system: System, n: int) -> None:
             place.log_slope = place.curvature_s / place.curvature
             place.s_start = 0.5 * (place.lo_start + place.hi_start)
             place.s_end = 0.5 * (place.lo_end + place.hi_end)
+            first, last = g * n + max(j - 1, 0), g * n + min(j + 1, n - 1)
+            before, behind, side = places[first], places[last], system.vectors[V.SIDE]
+            inverse = 1.0 / (behind.s - before.s)
+            place.turn = (before.no * behind.nb - before.nb * behind.no) * inverse
+            place.side_s = (side[last] - side[first]) * inverse
     for g in range(memo.grids):
         for i in range(n if grids[g].active else 0):
             if places[g * n + i].y <= 0.0:

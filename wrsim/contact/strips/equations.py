@@ -6,7 +6,7 @@ Equations in the same order, see `contact.strips.model`, all over the deepest pe
 
 from math import sqrt
 
-from wrsim.contact.strips.grid import place_grid_strips
+from wrsim.contact.strips.grid import place_grid_strips, row_below
 from wrsim.contact.strips.influence import Displacements, displacement_at
 from wrsim.contact.strips.records import EDGES, MIDDLES, UNKNOWNS_PER_STRIP, System, V
 from wrsim.jit import Array, Record, Records, inlined, kernel
@@ -107,7 +107,8 @@ def place_strips(system: System, n: int) -> None:
             continue
         middles = x[edges + EDGES :]
         grid.start, grid.end = x[edges], x[edges + 1]
-        place_grid_strips(system.wheel, system.rail, grid, system.rows[g], places[g * n : (g + 1) * n])
+        rows = system.rows[g]
+        place_grid_strips(system.wheel, system.rail, grid, rows, places[g * n : (g + 1) * n])
         for j in range(n):
             i, place = g * n + j, places[g * n + j]
             place.q = place.y = 0.0
@@ -126,6 +127,11 @@ def place_strips(system: System, n: int) -> None:
             vectors[V.PUSH, i] = place.q * place.y
             vectors[V.MIDDLE, i] = place.x + place.off if memo.has_shifts else grid.x
             vectors[V.NO, i], vectors[V.NB, i] = (place.no, place.nb) if memo.curved else (0.0, 1.0)
+            side = 0.0
+            if memo.traction_pass > 0:
+                r, z = row_below(grid, place.s)
+                side = rows[r].side + z * (rows[r + 1].side - rows[r].side)
+            vectors[V.SIDE, i], vectors[V.LIFT, i] = side, memo.transverse * side
 
 
 @kernel

@@ -6,7 +6,7 @@ of the line, xi = 1, where (strip-line) bends within t. `wrsim.contact.tables` m
 those of the spline at xi = 0.
 """
 
-from math import sqrt
+from math import copysign, sqrt
 from typing import NamedTuple
 
 from wrsim.contact.strips.records import V
@@ -103,6 +103,24 @@ def turned_influence(vectors: Array, j: int, no: float, nb: float, s: float) -> 
     return level + (vectors[V.NB, j] * no - vectors[V.NO, j] * nb) * (
         vectors[V.SIDE, j] + vectors[V.LIFT, j] * abs(t) / sqrt(t * t + 0.5)
     )
+
+
+@inlined
+def turned_rates(
+    vectors: Array, j: int, no: float, nb: float, s: float, turn: float, side_s: float, turn_here: float
+) -> tuple[float, float]:
+    """Derivatives of `turned_influence` by the places of strip j and of s, with the slopes of the angles of both
+    normals and of strip j's lateral force."""
+    level = vectors[V.NO, j] * no + vectors[V.NB, j] * nb
+    across = vectors[V.NB, j] * no - vectors[V.NO, j] * nb
+    side, lift, inverse = vectors[V.SIDE, j], vectors[V.LIFT, j], vectors[V.INVERSE, j]
+    t = (0.5 * (vectors[V.FROM, j] + vectors[V.TO, j]) - s) * inverse
+    root = 1.0 / sqrt(t * t + 0.5)
+    whole = side + lift * abs(t) * root
+    steep = copysign(0.5 * lift * root * root * root * inverse, t)
+    slope = side_s * (whole / side if side != 0.0 else 1.0)
+    rate = level * whole - across
+    return turn * rate + across * (slope + steep), -turn_here * rate - across * steep
 
 
 class Displacements(NamedTuple):

@@ -10,14 +10,14 @@ Lobes that are nearly one share a grid of strips, a lobe with a shoulder may hav
 solution grids are cut at the saddles, so every lobe has its strips and no result jumps where grids merge.
 """
 
-from math import pi, sqrt
+from math import inf, pi, sqrt
 
 from wrsim.contact.records import COLD_START, STATUS_NOT_CONVERGED, PlacedWheel, Rail, WheelPose
 from wrsim.contact.resultants import set_creepages, set_pressures
 from wrsim.contact.strips.equations import clamp_edges, edges_of
 from wrsim.contact.strips.grid import opposite, row_below
 from wrsim.contact.strips.grid_layout import set_grids
-from wrsim.contact.strips.records import System, V
+from wrsim.contact.strips.records import ROWS, System, V
 from wrsim.contact.strips.solution import solve
 from wrsim.jit import Record, Records, kernel
 
@@ -40,7 +40,9 @@ def solve_pressure(
     memo.together, memo.apart = model.together, model.apart
     memo.stiffness = pi * model.E
     memo.curved = model.curved
-    _set_lateral_forces(system, n, model.E / model.G - 1.0, strips)
+    memo.transverse = model.E / model.G - 1.0
+    if memo.traction_pass > 0:
+        _set_lateral_forces(system, strips)
     status = set_grids(system, contacts, pose, count)
     known = memo.grids_before > 0 and _same_grids(system, n)
     memo.strips = solve(system, n, known, state.tolerance)
@@ -58,22 +60,26 @@ def solve_pressure(
 
 
 @kernel
-def _set_lateral_forces(system: System, n: int, transverse: float, strips: Records) -> None:
-    """Lateral creep forces of strips over their normal forces, by which they press on others whose normals are turned
-    (strip-turned): none before they are known.
-
-    n: strips of the grids of the last call; transverse: nu/(1 - nu).
-    """
-    memo, vectors = system.memo[0], system.vectors
-    vectors[V.SIDE : V.LIFT + 1] = 0.0
-    if memo.traction_pass == 0:
-        return
-    for i in range(memo.grids_before * n):
-        place = system.places[i]
-        if place.y > 0.0:
+def _set_lateral_forces(system: System, strips: Records) -> None:
+    """Lateral creep forces over normal forces of the strips of the last solution of this call, to its grids' rows: the
+    next one may have other strips, or fewer."""
+    n = system.memo[0].strips
+    for g in range(system.memo[0].grids):
+        rows, r, last, s = system.rows[g], 0, inf, 0.0
+        for i in range(g * n, (g + 1) * n):
+            place = system.places[i]
+            if place.y <= 0.0:
+                continue
             strip = strips[place.lobe, place.row]
-            vectors[V.SIDE, i] = strip.Fy / strip.N if strip.N > 0.0 else 0.0
-            vectors[V.LIFT, i] = transverse * vectors[V.SIDE, i]
+            side = strip.Fy / strip.N if strip.N > 0.0 else 0.0
+            last = side if last == inf else last  # before the first strip as in it
+            while r < ROWS and rows[r].s < place.s:
+                rows[r].side = last + (side - last) * max((rows[r].s - s) / (place.s - s), 0.0)
+                r += 1
+            last, s = side, place.s
+        while r < ROWS:
+            rows[r].side = last if last < inf else 0.0
+            r += 1
 
 
 @kernel

@@ -29,6 +29,7 @@ ROW = record("""
     density    [1]    density of strips (strip-density)
     xi         [m]    integral of the density up to the row
     overlap    [m]    penetration less displacement
+    side       [1]    lateral creep force over normal force of the last strips over the row (strip-turned)
 """)
 """A row of the table of a grid's geometry."""
 
@@ -61,6 +62,8 @@ PLACE = record("""
     log_slope       [1/m]   slope of the logarithm of the curvature over s
     s_start         [1]     slope of s over the start edge
     s_end           [1]     slope of s over the end edge
+    turn            [1/m]   slope of the normal's angle over s
+    side_s          [1/m]   slope of lateral over normal force over s
     lobe            [int]   lobe that the strip is reported in
     row             [int]   strip of that lobe
 """)
@@ -93,6 +96,7 @@ MEMO = record("""
     rate            [1]    share of the residual that one of the worst of the last steps left
     stiffness       [Pa]   pi E*
     modulus         [Pa]   E*
+    transverse      [1]    nu/(1 - nu)
     deepest         [m]    deepest penetration of all grids
     together        [m]    distance of grids up to which they press each other down fully
     apart           [m]    distance from which on they do not
