@@ -94,5 +94,5 @@ def test_an_elastic_layer_takes_its_part_of_kalker_s_stiffness_and_nothing_of_fr
 def test_models_without_a_layer_say_which_have_one():
     with pytest.raises(InputError, match=r'"polach" takes no layer between .* "fastsim" or "fastrip" or "half-space"'):
         ContactSettings(tangential="polach", layer=Layer(2e-5, 1e9)).check()
-    with pytest.raises(InputError, match=r'"fastrip" takes no layer that yields .*: take "half-space"'):
+    with pytest.raises(InputError, match=r'"fastrip" takes no layer that yields: take "fastsim" or "half-space"'):
         ContactSettings(layer=Layer(yield_stress=1e8)).check()

@@ -71,7 +71,7 @@ def test_units_for_readers_agree_with_si_units():
     si = {"s": "s", "m": "m", "mm": "m", "um": "m", "mm2": "m2", "kmh": "m/s", "per_km": "1/m", "per_m": "1/m"}
     si |= {"rad_s": "rad/s", "mrad": "rad", "deg": "rad", "N": "N", "kN": "N", "Nm": "N m", "kNm": "N m", "MPa": "Pa"}
     si |= {"permille": "1", "": "1", "m_s": "m/s", "m_s2": "m/s2", "t": "kg"}
-    si |= {"Hz": "Hz", "per_s": "1/s", "kW": "W", "kJ": "J"}
+    si |= {"Hz": "Hz", "per_s": "1/s", "kW": "W", "kJ": "J", "C": "degC"}
     si |= {"um_per_km": "1", "g_per_km": "kg/m", "N_per_mm": "N/m", "nm": "m"}
     for c in CHANNELS.values():
         assert si[c.shown.suffix] == c.unit, c.name

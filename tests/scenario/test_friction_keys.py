@@ -42,6 +42,11 @@ def test_bad_layers_are_refused(text, message, tmp_path):
     assert any(message in line for line in faults(edited(CURVE, "friction = 0.35", text), tmp_path))
 
 
+@pytest.mark.parametrize(("text", "message"), table("bad_temperatures_are_refused"))
+def test_bad_temperatures_are_refused(text, message, tmp_path):
+    assert any(message in line for line in faults(edited(CURVE, "friction = 0.35", text), tmp_path))
+
+
 def test_layers_are_in_si_units():
     layer = "{thickness_mm = 0.02, shear_modulus_GPa = 1, yield_stress_MPa = 150, hardening_MPa_per_mm = 828}"
     text = edited(CURVE, "friction = 0.35", f"normal = 'half-space'\nlayer = {layer}")

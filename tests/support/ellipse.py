@@ -68,7 +68,7 @@ def roll(
     for name, value in numbers.items():
         (call if name in call.dtype.names else constants)[name] = value
     shape = bound_over_cells(cells, option == "parabolic")
-    work = np.zeros((12, max(strips, 8)))
+    work = np.zeros((12, max(strips, 8, cells)))
     nothing = Arrays(*[None] * ARRAYS)
     a = nothing._replace(
         creep=COEFFICIENTS, shape=shape, model=constants, call=call, patches=lobes, strips=rows[None], work=work

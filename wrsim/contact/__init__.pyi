@@ -13,6 +13,7 @@ from wrsim.contact.settings import ContactSettings as ContactSettings
 from wrsim.contact.settings import Friction as Friction
 from wrsim.contact.settings import FrictionAlong as FrictionAlong
 from wrsim.contact.settings import HalfSpaceSettings as HalfSpaceSettings
+from wrsim.contact.settings import Heating as Heating
 from wrsim.contact.settings import Layer as Layer
 from wrsim.contact.settings import Material as Material
 from wrsim.contact.subsurface.fatigue import FatigueLimits as FatigueLimits

@@ -14,7 +14,7 @@ from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.search.locus import outline
 from wrsim.jit import Array, Records
 
-_OF_STRIPS = ("s", "ds", "x", "a", "p", "o", "b", "N", "Fx", "Fy", "xi", "eta", "phi", "mu")
+_OF_STRIPS = ("s", "ds", "x", "a", "p", "o", "b", "N", "Fx", "Fy", "xi", "eta", "phi", "mu", "temperature")
 _RENAMED = {"o": "y", "b": "z", "mu": "friction"}
 _STRIP_CHANNELS = {f"strip_{_RENAMED.get(name, name)}": name for name in _OF_STRIPS}
 POSE_CHANNELS = {"wheel_origin": 0, "wheel_axle": 3, "wheel_velocity": 6, "wheel_rotation": 9}
@@ -54,6 +54,8 @@ def contact_channels(
     """
     p = patches_of(raw)
     channels = of_patches(raw, p)
+    if wheels[0].model.settings.temperature is None:
+        del channels["temperature"]
     # main points on the profiles and in the track frame
     left, up = np.moveaxis(np.broadcast_to(uneven, (*raw.patches.shape[:2], 2)), -1, 0)
     half_widening = 0.5 * np.broadcast_to(widening, raw.patches.shape[:1])
@@ -148,6 +150,8 @@ class StripRecorder:
             for (i, j), row in moment.strips.items():
                 table[m, i, j, : len(row)] = row
         result = {name: table[column] for name, column in _STRIP_CHANNELS.items()}
+        if self.wheels[0].model.settings.temperature is None:
+            del result["strip_temperature"]
         result["strip_angle"] = contact_angles(table["no"], table["nb"])
         for i, name in enumerate(("wheel_profile_y", "wheel_profile_z", "rail_profile_y", "rail_profile_z")):
             result[name] = np.stack([m.outlines[:, i] for m in self.moments])

@@ -19,7 +19,7 @@ from wrsim.contact.batch import Contacts, evaluate_poses
 from wrsim.contact.creep.laws import CREEP_LAWS, KERNEL_LAWS
 from wrsim.contact.library_file import library_bytes, save_library
 from wrsim.contact.profiles.profile import Profile
-from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong
+from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Layer
 from wrsim.contact.strips.equations import block_of
 from wrsim.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS
 from wrsim.contact.surfaces.out_of_round import Part, shape_tables
@@ -339,7 +339,12 @@ def _inputs(model: ContactModel, of_cells: int = 0) -> Arrays:
     n.parabolic, n.blended = parabolic, settings.flexibility == "blended"
     n.kA, n.kS = settings.polach_adhesion, settings.polach_slip
     n.slope_k0, n.slope_alpha_inf, n.slope_beta = settings.slope_k0, settings.slope_alpha_inf, settings.slope_beta
-    n.layer = settings.layer.flexibility if settings.layer else 0.0
+    layer, heat = settings.layer or Layer(), settings.temperature
+    n.layer, n.yield_stress, n.hardening = layer.flexibility, layer.yield_stress, layer.hardening
+    n.history = heat is not None or layer.yield_stress < np.inf
+    if heat:
+        n.warming, n.bulk, n.heat_from = heat.warming, heat.bulk, heat.friction_from
+        n.heat_slope, n.heat_change = heat.friction_change / heat.friction_over, heat.friction_change
     first = friction if isinstance(friction, Friction) else friction.laws[0]
     for name, number in zip(FRICTION, first.numbers, strict=True):
         call[name] = number
@@ -359,6 +364,7 @@ def _inputs(model: ContactModel, of_cells: int = 0) -> Arrays:
     grids = lobes + SHOULDERS if normal.solves_for_strips else 0
     of_a_lobe = most * max(grids, 1)
     unknowns = grids * block_of(most)
+    columns = max(of_a_lobe, 8, settings.cells if n.history else 0)
     return Arrays(
         wheel=wheel_table,
         rail=rail.table,
@@ -374,7 +380,7 @@ def _inputs(model: ContactModel, of_cells: int = 0) -> Arrays:
         found=np.zeros(8, k.FOUND),
         patches=np.zeros(lobes, k.LOBE),
         strips=np.zeros((lobes, of_a_lobe), k.STRIP),
-        work=np.zeros((SCRATCH + of_cells * lobes * settings.cells * law.cells, max(of_a_lobe, 8))),
+        work=np.zeros((SCRATCH + of_cells * lobes * settings.cells * law.cells, columns)),
         influence=tables.influence_table() if grids else np.zeros((0, 0)),
         rows=np.zeros((grids, ROWS), ROW),
         places=np.zeros(grids * most, PLACE),

@@ -18,7 +18,7 @@ from wrsim.contact.workspace import KernelArrays
 from wrsim.jit import Array, Records
 
 _SUMS = {"N": "N", "Fx": "Fx", "Fy": "Fy", "area": "area", "n_strips": "n_strips"}
-_LARGEST = {"p0": "p0", "contact_angle_max": "angle_max", "length": "length"}
+_LARGEST = {"p0": "p0", "contact_angle_max": "angle_max", "length": "length", "temperature": "temperature"}
 _OF_MAIN = {"contact_angle": "angle", "approach": "approach", "xi": "xi", "eta": "eta", "phi": "phi", "x_contact": "x"}
 
 NO_CONTACT = tuple(np.nan if k.TOTAL[name].kind == "f" else 0 for name in k.TOTAL.names)

@@ -38,6 +38,13 @@ MODEL = record("""
     slope_alpha_inf [1] slope reduction at large creepages, over the initial one
     slope_beta   [1]    decay of the slope reduction
     layer        [m/Pa] shear of a layer between the bodies over the traction
+    yield_stress [Pa]   of that layer, inf where it does not yield
+    hardening    [Pa/m] rise of that with the plastic slip
+    warming      [K m2 s^0.5/J] temperature by heat over the root of its duration
+    bulk         [degC] temperature of both bodies before the contact
+    heat_from    [degC] temperature from which friction changes
+    heat_slope   [1/K]  change of friction per degree
+    heat_change  [1]    largest change of friction, with its sign
     tangential   [int]  creep law, of ``wrsim.contact.models``
     parabolic    [int]  whether the traction bound is a parabola along the strip
     blended      [int]  whether FASTSIM has one flexibility, blended of three
@@ -51,6 +58,7 @@ MODEL = record("""
     field_rows   [int]  rows of the distances of a section
     curved       [int]  whether the influence of strips is turned with their normals
     depth_rows   [int]  rows of the depth of a wheel out of round, around it
+    history      [int]  whether the bound of tractions depends on heat or plastic slip on the way
 """)
 """Numbers of a contact model, which no kernel changes."""
 
@@ -117,6 +125,7 @@ STRIP = record("""
     phi   [1/m]  spin
     r_t   [m]    radius of curvature along the rail
     mu    [1]    coefficient of friction
+    temperature [degC] largest of the surface, where it is computed
     penetration [m] of the undeformed bodies
 """)
 """A strip."""
@@ -154,6 +163,7 @@ LOBE = record("""
     half_length [m]     at the main point
     coupling    [1]     to ``partner``
     amplitude   [Pa/m]  p / a of the pressure
+    temperature [degC]  largest of the surface, where it is computed
     group       [int]   number of the patch
     partner     [int]   lobe that this one is coupled to, or -1
     n_strips    [int]   number of strips

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import atan, inf, radians, tan
+from math import atan, inf, pi, radians, sqrt, tan
 from numbers import Real
 from typing import Literal, get_args
 
@@ -119,14 +119,58 @@ class Layer:
         """Elastic shear over the traction [m/Pa]."""
         return self.thickness / self.shear_modulus
 
-    def unsuited(self, tangential: Tangential) -> str:
-        """Why a law of creep forces cannot take it; "" where it can."""
-        yields = self.yield_stress < inf
-        if (law := CREEP_LAWS[tangential]).layer and (law.yields or not yields):
-            return ""
-        able = [f'"{name}"' for name, law in CREEP_LAWS.items() if (law.yields if yields else law.layer)]
-        kind = "that yields " if yields else ""
-        return f'tangential = "{tangential}" takes no layer {kind}between the bodies: take {" or ".join(able)}'
+
+@dataclass(frozen=True)
+class Heating:
+    """Friction by the temperature of the surface, which creep heats: both bodies are half-spaces of one material under
+    a heat source that moves fast (docs/theory/friction.md).
+
+    Parameters
+    ----------
+    friction_change, friction_over, friction_from : float
+        What is added to the coefficient of friction in the end [1], over how many degrees above which temperature
+        [K, degC]; in proportion in between.
+    bulk : float
+        Temperature of both bodies before the contact [degC].
+    conductivity, heat_capacity, density : float
+        Of both bodies [W/(m K), J/(kg K), kg/m3].
+    """
+
+    friction_change: float = 0.0
+    friction_over: float = 100.0
+    friction_from: float = 20.0
+    bulk: float = 20.0
+    conductivity: float = 50.0
+    heat_capacity: float = 450.0
+    density: float = 7850.0
+
+    def change(self, temperature: Array) -> Array:
+        """What temperatures [degC] add to the coefficient of friction."""
+        part = np.clip((temperature - self.friction_from) / self.friction_over, 0.0, 1.0)
+        return np.asarray(self.friction_change * part)
+
+    @property
+    def warming(self) -> float:
+        """Rise of both surfaces by heat per area over the root of its duration [K m2 s^0.5/J]."""
+        return 0.5 / sqrt(pi * self.conductivity * self.heat_capacity * self.density)
+
+
+def unsuited(tangential: Tangential, flexibility: Flexibility, layer: Layer | None, heating: Heating | None) -> str:
+    """Why a law of creep forces cannot take a layer or friction by temperature; "" where it can."""
+    needs = {
+        "layer": layer is not None, "yields": layer is not None and layer.yield_stress < inf,
+        "heats": heating is not None,
+    }  # fmt: skip
+    texts = {
+        "layer": "no layer between the bodies", "yields": "no layer that yields", "heats": "no friction by temperature",
+    }  # fmt: skip
+    for need in (name for name, is_needed in needs.items() if is_needed):
+        if not getattr(CREEP_LAWS[tangential], need):
+            able = [f'"{name}"' for name, law in CREEP_LAWS.items() if getattr(law, need)]
+            return f'tangential = "{tangential}" takes {texts[need]}: take {" or ".join(able)}'
+        if need != "layer" and tangential == "fastsim" and flexibility == "three":
+            return f'flexibility = "three" takes {texts[need]}: take "blended"'
+    return ""
 
 
 @dataclass(frozen=True)
@@ -267,7 +311,9 @@ class ContactSettings:
     half_space : HalfSpaceSettings
         Numbers of the exact solver.
     layer : Layer, optional
-        A third body between wheel and rail, for FASTSIM, FaStrip and the exact solver.
+        A third body between wheel and rail, for FASTSIM, FaStrip and the exact solver; one that yields not for FaStrip.
+    temperature : Heating, optional
+        Friction by temperature, for the same three.
     """
 
     normal: Normal = "strips"
@@ -290,12 +336,15 @@ class ContactSettings:
     rail: Material = field(default_factory=Material)
     half_space: HalfSpaceSettings = field(default_factory=HalfSpaceSettings)
     layer: Layer | None = None
+    temperature: Heating | None = None
 
     def fast(self) -> "ContactSettings":
         """The same with a fast model in place of the exact one, for a first idea of its result."""
         if self.normal != "half-space":
             return self
         tangential = None if self.tangential == "half-space" else self.tangential
+        if unsuited(tangential or USUAL["strips"].tangential, self.flexibility, self.layer, self.temperature):
+            tangential = "fastsim"
         return replace(
             self, normal="strips", approach="projected", tangential=tangential, strips=None, strip_width=None
         )
@@ -328,7 +377,7 @@ class ContactSettings:
                 isinstance(value, Real) and low <= float(value) <= high
             ):
                 raise InputError(f"{name} = {value!r:.40}: must be a number from {low:g} to {high:g}")
-        if self.layer and (message := self.layer.unsuited(self.creep_forces)):
+        if message := unsuited(self.creep_forces, self.flexibility, self.layer, self.temperature):
             raise InputError(message)
 
     def __post_init__(self) -> None:

@@ -32,12 +32,13 @@ MOST_FAULTS = 50
 ALIASES: dict[str, dict[str, list[str]]] = packaged("wrsim.inputs", "aliases.toml")
 UNITS: dict[str, str] = WORDS["units"]
 """Unit endings of keys and how they are written in a sentence."""
+THERMAL = ("_W_per_mK", "_J_per_kgK", "_kg_per_m3")
 TO_SI: dict[str, Callable[[float], float]] = {
     "_mm": lambda x: x / 1e3, "_kmh": lambda x: x / 3.6, "_deg": radians, "_MPa": lambda x: 1e6 * x,
     "_GPa": lambda x: 1e9 * x, "_MPa_per_mm": lambda x: 1e9 * x,
 } | dict.fromkeys(
     ("_kN", "_kN_per_m", "_kNs_per_m", "_kNm_per_rad", "_kNms_per_rad"), lambda x: 1e3 * x
-) | dict.fromkeys(("_m", "_s", "_s_per_m", "_Hz", "_kg_m2"), float)  # fmt: skip
+) | dict.fromkeys(("_m", "_s", "_s_per_m", "_Hz", "_kg_m2", "_K", "_C", *THERMAL), float)  # fmt: skip
 """Unit endings of keys and what brings their numbers to SI units; see `Section.to_si`."""
 
 

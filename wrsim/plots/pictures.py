@@ -27,7 +27,7 @@ from wrsim.results.wheelsets import fast_of, of_wheelset, wheelset_folder, wheel
 
 HISTORIES = {
     "forces": ("Q", "Y", "sum_Y", "guide_force_y"),
-    "contact": ("p0", "area", "T_gamma", "rail_friction", "rail_friction_corner"),
+    "contact": ("p0", "area", "T_gamma", "temperature", "rail_friction", "rail_friction_corner"),
 }
 """Pictures of a run beside its overview, and the channels in them; none is in two: every panel costs time."""
 

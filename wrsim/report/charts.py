@@ -38,6 +38,7 @@ CHARTS = {
     "curvature": LEFT,
     "cant": "positive: the right rail is the higher one",
     "p0": "of every patch",
+    "temperature": "largest of every patch",
     "contact_angle": "main point of every patch",
     "T_gamma": "",
     "guide_force_y": f"of the frame on the wheelset, {LEFT}",

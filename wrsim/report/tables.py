@@ -34,7 +34,7 @@ from wrsim.results.wheelsets import numbered, wheelsets
 
 T = TypeVar("T")
 
-PATCH_CHANNELS = ("N", "p0", "contact_angle", "contact_angle_variation", "area")
+PATCH_CHANNELS = ("N", "p0", "contact_angle", "contact_angle_variation", "area", "temperature")
 """Channels in the table of contacts."""
 
 GOOD, BAD, OPEN = "good", "bad", "open"

@@ -53,6 +53,7 @@ SHOWN = {
     "N": Shown("N", "N", 1.0), "kN": Shown("kN", "kN", 1e-3), "N m": Shown("N m", "Nm", 1.0),
     "kN m": Shown("kN m", "kNm", 1e-3),
     "N/mm": Shown("N/mm", "N_per_mm", 1e-3), "MPa": Shown("MPa", "MPa", 1e-6), "t": Shown("t", "t", 1e-3),
+    "degC": Shown("°C", "C", 1.0),
     "kW": Shown("kW", "kW", 1e-3), "kJ": Shown("kJ", "kJ", 1e-3), "permille": Shown("‰", "permille", 1e3),
     "um/km": Shown("µm/km", "um_per_km", 1e9), "g/km": Shown("g/km", "g_per_km", 1e6), "1": PLAIN,
 }  # fmt: skip

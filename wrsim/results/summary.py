@@ -69,6 +69,7 @@ PEAKS = {
     "T_gamma_max_N": Peak("T_gamma", "largest", "wear number Tγ", "Tγ max"),
     "N_max_kN": Peak("N", "largest", "normal force of a patch"),
     "p0_max_MPa": Peak("p0", "largest", "pressure p₀", "p₀ max"),
+    "temperature_max_C": Peak("temperature", "largest", "surface temperature", "T max"),
     "contact_angle_max_deg": Peak("contact_angle_max", "largest", "contact angle"),
     "contact_angle_variation_max_deg": Peak("contact_angle_variation", "largest", "contact angle range in a patch"),
 }
@@ -231,7 +232,7 @@ def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
 def wheel_peaks(one: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Peaks of the wheels of one wheelset, by wheel and name."""
     wheels = map(str, one["wheel"].values)
-    peaks = _signals(one, PEAKS)
+    peaks = [each for each in _signals(one, PEAKS) if each[1].channel != "temperature" or "temperature" in one]
     return {wheel: {key: peak(signals, kind, wheel) for key, kind, signals in peaks} for wheel in wheels}
 
 

@@ -16,6 +16,7 @@ from wrsim.contact.creep.flexibility import (
     kalker_coefficients,
 )
 from wrsim.contact.creep.friction import set_friction
+from wrsim.contact.creep.history import change_of_friction
 from wrsim.contact.creep.laws import FASTRIP, FASTSIM, LINEAR, POLACH, SHEN_HEDRICK_ELKINS
 from wrsim.contact.creep.linear import linear_creep
 from wrsim.contact.creep.polach import polach
@@ -34,6 +35,14 @@ def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
     lobe = lobes[i]
     n = lobe.n_strips
     largest = set_friction(speed, a.call[0], model.least_speed, strips, n)
+    lobe.temperature = model.bulk
+    for j in range(n):
+        strips[j].temperature = model.bulk
+    if model.history:
+        largest = 0.0
+        for j in range(n):
+            strips[j].mu = max(strips[j].mu + change_of_friction(model, model.bulk), 0.0)
+            largest = max(largest, strips[j].mu)
     if n == 0 or lobe.N <= 0.0 or largest <= 0.0:
         for j in range(n):
             strips[j].Fx = strips[j].Fy = strips[j].Mz = 0.0
@@ -59,14 +68,18 @@ def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
     first = SCRATCH + (lobes.shape[0] + 2 * i) * cells
     on = Rolling(strips, n, soft, direction, a.shape, a.work, slip, a.work[first : first + 2 * cells])
     peak = PARABOLA_PEAK if model.parabolic else 1.0
+    rolling = sqrt(speed * speed + model.least_speed * model.least_speed)
     if law == FASTSIM and model.blended:
-        fastsim_blended(on, peak)
+        fastsim_blended(on, model, peak, rolling)
     elif law == FASTSIM:
         fastsim(on, mean, peak)
     elif law == FASTRIP:
-        fastrip(on, ellipse.a)
+        fastrip(on, model, ellipse.a, rolling)
     else:
         linear_creep(on, mean, 1.0 if law == SHEN_HEDRICK_ELKINS else 0.0)
+    if model.history:
+        for j in range(n):
+            lobe.temperature = max(lobe.temperature, strips[j].temperature)
 
 
 @inlined

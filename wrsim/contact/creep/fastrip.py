@@ -25,15 +25,17 @@ works through L1 like the rest of it.
 from math import asin, pi, sqrt
 
 from wrsim.contact.creep.flexibility import Rolling
+from wrsim.contact.creep.history import march_with_history
 from wrsim.contact.creep.march import BOUND, START_X, START_Y, STUCK, TINY, begin, largest_traction, march
-from wrsim.jit import Array, kernel
+from wrsim.jit import Array, Record, kernel
 
 FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
 
 
 @kernel
-def fastrip(on: Rolling, half_length: float) -> None:
-    """Tangential forces of the strips (creep-fastrip), elliptic bound; half_length: of the equivalent ellipse [m]."""
+def fastrip(on: Rolling, model: Record, half_length: float, speed: float) -> None:
+    """Tangential forces of the strips (creep-fastrip), elliptic bound; half_length: of the equivalent ellipse [m];
+    speed: of rolling [m/s]."""
     strips, n, soft, direction, shape, work, _slip, traction = on
     dx = 2.0 / shape.shape[0]
     shift = 16.0 * half_length / (3.0 * pi * pi)
@@ -51,7 +53,10 @@ def fastrip(on: Rolling, half_length: float) -> None:
         fx = -ax * 0.5 * pi * d * d / dx
         fy = (psi - ay) * 0.5 * pi * d * d / dx
         begin(work, i, bound, 1.0 - 2.0 * d, ax, ay, fx, fy, fy * (1.0 - d))
-    march(on, True)
+    if model.history:
+        march_with_history(on, model, True, speed)
+    else:
+        march(on, True)
     if traction.shape[0] > 0:
         for i in range(n):
             if work[BOUND, i] > TINY:

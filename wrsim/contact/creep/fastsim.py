@@ -15,8 +15,9 @@ middle; here every strip keeps its mu N, because friction is a matter of the pla
 from math import pi, sqrt
 
 from wrsim.contact.creep.flexibility import Creepages, Rolling
+from wrsim.contact.creep.history import march_with_history
 from wrsim.contact.creep.march import TINY, begin, largest_traction, limit_dissipation, march
-from wrsim.jit import kernel
+from wrsim.jit import Record, kernel
 
 PARABOLA_PEAK = 0.375 * pi  # of the parabola over that of the semi-ellipse of equal force
 
@@ -75,8 +76,12 @@ def fastsim(on: Rolling, mean: Creepages, peak: float) -> None:
 
 
 @kernel
-def fastsim_blended(on: Rolling, peak: float) -> None:
-    """The same (creep-fastsim) with three flexibilities where the surfaces stick and one where they slide."""
+def fastsim_blended(on: Rolling, model: Record, peak: float, speed: float) -> None:
+    """The same (creep-fastsim) with three flexibilities where the surfaces stick and one where they slide. speed: of
+    rolling [m/s]."""
     for i in range(on.n):
         begin(on.work, i, peak * largest_traction(on.strips[i]), 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    march(on, False)
+    if model.history:
+        march_with_history(on, model, False, speed)
+    else:
+        march(on, False)

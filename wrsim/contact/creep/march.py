@@ -44,6 +44,28 @@ def begin(work: Array, i: int, bound: float, stuck: float, x: float, y: float, f
     work[FX, i], work[FY, i], work[MZ, i] = fx, fy, mz
 
 
+@inlined
+def advance(
+    qx: float, qy: float, gx: float, gy: float, hx: float, hy: float, part: float, before: float, limit: float,
+    rise: float, lift: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """From the traction q of one cell, with the bound ``before``, to the next one: what it would be with all the slip,
+    its share within ``limit``, and the factor by which q follows the bound. g, h: change where it sticks, slides; part:
+    of the way behind the start; rise: of the bound over itself, lift: that of tractions that stick."""
+    utilisation = min((qx * qx + qy * qy) * (1.0 / (before * before)), 1.0)
+    utilisation *= utilisation
+    bound_factor = 1.0 + (1.0 - part) * rise + part * lift * utilisation * utilisation
+    px, py = bound_factor * qx, bound_factor * qy
+    last = before * (1.0 + (1.0 - part) * rise + part * lift)
+    inwards = last * (limit - last) - px * gx - py * gy
+    room = max(last * last - px * px - py * py, 0.0) + 2.0 * max(inwards, 0.0) + TINY
+    ex, ey = px + gx, py + gy
+    s = room / (room + max(ex * ex + ey * ey - limit * limit, 0.0))
+    tx = px + s * gx + (1.0 - s) * hx
+    ty = py + s * gy + (1.0 - s) * hy
+    return tx, ty, min(limit / sqrt(max(tx * tx + ty * ty, TINY)), 1.0), bound_factor
+
+
 @kernel
 def march(on: Rolling, rising: bool) -> None:
     """Tangential forces of the strips, each set by `begin`. rising: whether tractions rise with the bound."""
@@ -71,7 +93,6 @@ def march(on: Rolling, rising: bool) -> None:
         x = 1.0 - (j + 0.5) * dx
         limit = shape[j]
         before = shape[j - 1] if j > 0 else limit
-        per_bound = 1.0 / (before * before)
         rise = limit / before - 1.0
         lift = max(rise, 0.0) if rising else 0.0
         for i in range(n):
@@ -82,18 +103,7 @@ def march(on: Rolling, rising: bool) -> None:
             gy, ty = part * step_y[i], part * middle * turn[i]
             hx, hy = slide_x * gx, slide_y * gy + slide_turn * ty
             gy += ty
-            utilisation = min((qx[i] * qx[i] + qy[i] * qy[i]) * per_bound, 1.0)
-            utilisation *= utilisation
-            bound_factor = 1.0 + (1.0 - part) * rise + part * lift * utilisation * utilisation
-            px, py = bound_factor * qx[i], bound_factor * qy[i]
-            last = before * (1.0 + (1.0 - part) * rise + part * lift)
-            inwards = last * (limit - last) - px * gx - py * gy
-            room = max(last * last - px * px - py * py, 0.0) + 2.0 * max(inwards, 0.0) + TINY
-            ex, ey = px + gx, py + gy
-            s = room / (room + max(ex * ex + ey * ey - limit * limit, 0.0))
-            tx = px + s * gx + (1.0 - s) * hx
-            ty = py + s * gy + (1.0 - s) * hy
-            scale = min(limit / sqrt(max(tx * tx + ty * ty, TINY)), 1.0)
+            tx, ty, scale, _follows = advance(qx[i], qy[i], gx, gy, hx, hy, part, before, limit, rise, lift)
             before_start = x >= stuck[i]
             tx = start_x[i] * limit if before_start else tx * scale
             ty = start_y[i] * limit if before_start else ty * scale

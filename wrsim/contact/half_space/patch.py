@@ -50,7 +50,7 @@ class Patch:
     outward (2, rows, columns) [Pa]; slip, rigid_slip: of the wheel over the rolling speed, alike, with and without
     the elastic part; state: 0 outside, 1 adhesion, 2 slip, 3 a layer that yields; force, moment: on the wheel
     (t, o, b), the moment about the wheel's profile origin [N, N m]; pressure, traction: as solved for, p without
-    damping.
+    damping; temperature: of the surfaces [degC], where it is computed.
     """
 
     grid: Grid
@@ -63,9 +63,13 @@ class Patch:
     moment: Array
     pressure: Pressure
     traction: Traction | None
+    temperature: Array | None
 
     @classmethod
-    def of(cls, grid: Grid, p: Array, pressure: Pressure, traction: Traction | None, rigid: Array) -> "Patch":
+    def of(
+        cls, grid: Grid, p: Array, pressure: Pressure, traction: Traction | None, rigid: Array,
+        temperature: Array | None = None,
+    ) -> "Patch":  # fmt: skip
         """All contact on a grid. p: pressures with damping; rigid: slip of the wheel."""
         if traction is None:
             q, slip, state = np.zeros((2, *p.shape)), rigid, np.where(p > 0.0, SLIP, OUTSIDE)
@@ -77,7 +81,7 @@ class Patch:
         arms = grid.arms(grid.x, 0.5 * grid.axis["gap"][:, None])
         moment = np.cross(arms, forces, axis=0).sum(axis=(1, 2))
         force, moment = (np.array(turned(Vec(*v), -grid.bodies.sine)) for v in (forces.sum(axis=(1, 2)), moment))
-        return cls(grid, p, q, slip, rigid, state, force, moment, pressure, traction)
+        return cls(grid, p, q, slip, rigid, state, force, moment, pressure, traction, temperature)
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:

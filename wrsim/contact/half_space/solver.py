@@ -10,6 +10,7 @@ from math import ceil, floor, log2
 import numpy as np
 
 from wrsim.contact import status as status_of
+from wrsim.contact.creep.history import heat_rows
 from wrsim.contact.half_space.influence import Compliance, Operator
 from wrsim.contact.half_space.normal import Pressure, solve_normal
 from wrsim.contact.half_space.patch import HalfSpaceContact, Patch
@@ -68,16 +69,27 @@ class HalfSpace(HalfSpaceSettings):
         forward = 1.0 if grid.bodies.pose.velocity.x >= 0.0 else -1.0
         rigid = grid.rigid_slip(LEAST_SPEED, forward * AHEAD * grid.dx)
         damping = _damping(grid, model.settings.damping)
-        traction, converged = None, True
+        traction, temperature, converged = None, None, True
         contact = footprint.depth <= DEEPEST
         law = model.friction_here
         rough = max(law.static, law.at_corner) > 0.0
         if contact and rough and model.settings.creep_forces == "half-space":
             speed = np.hypot(grid.bodies.pose.velocity.x, LEAST_SPEED)
-            friction = damping * law.coefficient(grid.normal[:, None, :], speed * np.hypot(*rigid))
+            cold = law.coefficient(grid.normal[:, None, :], speed * np.hypot(*rigid))
             first = start.q if start is not None else None
-            layer = model.settings.layer or Layer()
-            pressure, traction, converged = self._roll(pressed, friction, rigid, forward, first, layer)
+            layer, friction, heat = model.settings.layer or Layer(), cold, np.empty(cold.shape)
+            for _ in range(ALTERNATIONS):
+                pressure, traction, converged = self._roll(pressed, damping * friction, rigid, forward, first, layer)
+                if model.settings.temperature is None:
+                    break
+                last, first = friction, traction.q
+                friction, temperature = np.empty((2, *cold.shape))
+                of = damping * pressure.p, traction.q, traction.slip, traction.state
+                heat_rows(model.arrays.model, speed, grid.dx, forward, cold, *of, heat, friction, temperature)
+                if np.abs(friction - last).max() <= 10.0 * self.tolerance * friction.max():
+                    break
+            else:
+                converged = False
         bits = {
             status_of.GRID_EDGE: pressed.reaches_edge,
             STATUS_TOO_DEEP: not contact,
@@ -85,7 +97,7 @@ class HalfSpace(HalfSpaceSettings):
             STATUS_PROFILE_END: not grid.bodies.holds(grid.axis[pressure.p.any(axis=1)]).all(),
             status_of.NOT_CONVERGED: not (converged and pressure.converged),
         }
-        patch = Patch.of(grid, damping * pressure.p, pressure, traction, rigid)
+        patch = Patch.of(grid, damping * pressure.p, pressure, traction, rigid, temperature)
         return patch, sum(bit for bit, is_set in bits.items() if is_set)
 
     def _roll(

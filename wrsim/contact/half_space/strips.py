@@ -46,6 +46,11 @@ def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
         set_creepages(pose, a.model, lobe, strips, n)
         if tangential != "none":
             set_friction(pose.velocity.x, a.inputs, a.model.least_speed, strips, n)
+        if patch.temperature is not None and model.settings.temperature is not None:
+            hot = np.where(region.p > 0.0, patch.temperature[region.rows, region.columns], -np.inf)
+            strips["temperature"][:n], lobe.temperature = hot.max(axis=1), hot.max()
+            change = model.settings.temperature.change(hot) * region.p
+            strips["mu"][:n] = np.maximum(strips["mu"][:n] + change.sum(axis=1) / region.p.sum(axis=1), 0.0)
         add_lobe(pose, lobe, strips, n, total)
     force, moment, wear = contact.force, contact.moment, contact.wear
     if tangential not in ("half-space", "none"):

@@ -16,12 +16,14 @@ from wrsim.contact.settings import (
     Flexibility,
     Friction,
     HalfSpaceSettings,
+    Heating,
     Influence,
     Layer,
     Material,
     Normal,
     Pairing,
     TractionBound,
+    unsuited,
 )
 from wrsim.inputs.section import SIDES, Fault, Section, both_or_sides, on_side
 from wrsim.inputs.values import List, OrTable, number, plain_number, positive, text
@@ -128,6 +130,32 @@ class ThirdBodySection(Section, header="[contact.layer]"):
     def consistency(self) -> Iterator[Fault]:
         if self.thickness_mm is None and self.yield_stress_MPa is None:
             yield Fault("thickness_mm", "give thickness_mm with shear_modulus_GPa, yield_stress_MPa, or both")
+
+
+HEAT = Heating()
+Celsius = Annotated[float, number(-60, 1500, "degrees Celsius")]
+
+
+class TemperatureSection(Section, header="[contact.temperature]"):
+    """Temperature of the surfaces by the heat of friction, and friction that changes with it."""
+
+    together = ("friction_change friction_over_K",)
+    goes_with = {"friction_from_C": "friction_change"}
+
+    friction_change: Annotated[float, number(-2, 2, "below 0 friction falls")] = HEAT.friction_change
+    """What the temperature adds to the coefficient of friction in the end."""
+    friction_over_K: Annotated[float, positive(5000, "K")] = HEAT.friction_over
+    """Degrees over which it adds that, in proportion."""
+    friction_from_C: Celsius = HEAT.friction_from
+    """Temperature from which on it does."""
+    bulk_C: Celsius = HEAT.bulk
+    """Temperature of wheel and rail before the contact."""
+    conductivity_W_per_mK: Annotated[float, positive(1000, "W/(m K); steel 50")] = HEAT.conductivity
+    """Thermal conductivity of wheel and rail."""
+    heat_capacity_J_per_kgK: Annotated[float, positive(10000, "J/(kg K); steel 450")] = HEAT.heat_capacity
+    """Specific heat of wheel and rail."""
+    density_kg_per_m3: Annotated[float, positive(30000, "kg/m3; steel 7850")] = HEAT.density
+    """Density of wheel and rail."""
 
 
 Coefficient = Annotated[float, number(0, 2, "dry steel 0.3 to 0.5")]
@@ -245,6 +273,8 @@ class ContactSection(Section, header="[contact]"):
     """Elements of the exact solver."""
     layer: ThirdBodySection | None = None
     """A third body between wheel and rail; none unless given."""
+    temperature: TemperatureSection | None = None
+    """Temperature of the surface and friction by it; not computed unless given."""
     conical: ConicalSection | None = None
     """Conical wheels with a prescribed creep law in place of profiles; for stability only."""
 
@@ -276,8 +306,10 @@ class ContactSection(Section, header="[contact]"):
 
     def consistency(self) -> Iterator[Fault]:
         law = self.tangential or USUAL[self.normal].tangential
-        if self.layer and (message := self.layer.to_si(Layer).unsuited(law)):
-            yield Fault("layer", message)
+        layer = self.layer.to_si(Layer) if self.layer else None
+        heating = self.temperature.to_si(Heating) if self.temperature else None
+        if message := unsuited(law, self.flexibility, layer, heating):
+            yield Fault("layer" if "layer" in message else "temperature", message)
         for side in SIDES:
             for (_, before), (i, section) in pairwise(on_side(self.friction_sections, side)):
                 end = before.from_m + before.transition_m
@@ -298,4 +330,5 @@ class ContactSection(Section, header="[contact]"):
             rail=self.material.of(self.material.rail),
             half_space=self.half_space.settings(),
             layer=self.layer and self.layer.to_si(Layer),
+            temperature=self.temperature and self.temperature.to_si(Heating),
         )
