@@ -22,25 +22,39 @@ from wrsim.simulation.stepper import UNITS, Stepper
 pytest.importorskip("ziglang")
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="there is nothing compiled")
 
-FILE, ELASTIC = ROOT / "scenarios/curve_r300.toml", {"track.structure": {"kind": "moving mass"}}
-SCENARIO = load(FILE).with_values(ELASTIC)
-GONE = 9000  # steps: from straight track into the curve
+FILE = ROOT / "scenarios/curve_r300.toml"
+VALUES = {
+    "track.structure": {"kind": "moving mass"}, "contact.strips": 12, "contact.cells": 8, "run.start_distance_m": 60.0,
+    "run.distance_m": 50.0, "output.patches_at_m": [70.0],
+}  # fmt: skip
+SCENARIO = load(FILE).with_values(VALUES)
+START, GONE = 60.0, 3000  # [m]; steps: from the transition into the curve
+COACH_GONE = 9000  # from straight track into the curve
+WIDTH = 640  # of the page
 
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("wrsim.contact.library.build.emit_objects", kept_objects)
-        written = write_live(str(FILE), tmp_path_factory.mktemp("live") / "live.html", values=ELASTIC)
+        written = write_live(str(FILE), tmp_path_factory.mktemp("live") / "live.html", values=VALUES)
     with browser() as opened:
-        opened.open(Path(written.files[0]), 1000, 700)
+        opened.open(Path(written.files[0]), WIDTH, 480)
         opened.run("return wrsim.ready.then(() => true)")
         yield opened
 
 
 @pytest.fixture
 def again(page: Browser) -> Browser:
-    """The page at the start of the run, with its own values."""
+    """The page at the start of the run, with the values that tests before have set."""
+    page.run("wrsim.live.frame.time = -1; wrsim.live.play(false); document.getElementById('again').click()")
+    page.wait("wrsim.live.frame.time === 0")
+    return page
+
+
+@pytest.fixture
+def fresh(page: Browser) -> Browser:
+    """The page loaded again: at the start of the run, with its own values."""
     page.run("location.reload()")
     page.wait("window.wrsim && wrsim.ready.then(() => true)")
     return page
@@ -73,15 +87,15 @@ def differences(found: dict[str, Any], bench: Stepper) -> dict[str, float]:
     return {unit: float(np.abs(a[:, 0] - a[:, 1]).max() / np.abs(a[:, 1]).max()) for unit, a in arrays.items()}
 
 
-def test_a_page_has_the_numbers_of_the_stepper_into_the_curve(again: Browser) -> None:
-    bench, memory = stepper(SCENARIO), again.run("return wrsim.live.memory")
+def test_a_page_has_the_numbers_of_the_stepper_into_the_curve(fresh: Browser) -> None:
+    bench, memory = stepper(SCENARIO), fresh.run("return wrsim.live.memory")
     for _ in range(3):
         bench.step(GONE // 3)
-        off = differences(moved(again, GONE // 3), bench)
+        off = differences(moved(fresh, GONE // 3), bench)
     assert bench.outputs["wheelset.distance_m"] > 100.0
     assert max(off[unit] for unit in ("m", "m_s", "rad_s")) < 1e-9
     assert off["N"] < 1e-5 and off["rad"] < 1e-5
-    assert again.complaints() == [] and again.run("return wrsim.live.memory") == memory
+    assert fresh.complaints() == [] and fresh.run("return wrsim.live.memory") == memory
 
 
 @pytest.mark.campaign
@@ -95,8 +109,8 @@ def test_a_coach_has_the_numbers_of_the_stepper_over_9_seconds(tmp_path: Path) -
         opened.run("return wrsim.ready.then(() => true)")
         worst: dict[str, float] = {}
         for _ in range(3):  # the first on straight track, the others in the transition and in the curve
-            bench.step(GONE // 3)
-            for unit, off in differences(moved(opened, GONE // 3), bench).items():
+            bench.step(COACH_GONE // 3)
+            for unit, off in differences(moved(opened, COACH_GONE // 3), bench).items():
                 worst[unit] = max(off, worst.get(unit, 0.0))
         print({unit: f"{off:.1e}" for unit, off in worst.items()})
     assert bench.outputs["front.outer.Y_right_N"] > 2e4
@@ -104,24 +118,24 @@ def test_a_coach_has_the_numbers_of_the_stepper_over_9_seconds(tmp_path: Path) -
     assert worst["N"] < 1e-4
 
 
-def test_friction_and_stiffness_act_as_in_the_workspace_of_a_stepper(again: Browser) -> None:
+def test_friction_and_stiffness_act_as_in_the_workspace_of_a_stepper(fresh: Browser) -> None:
     bench = stepper(SCENARIO)
     places = Places(bench)
     friction = places.of_friction()
     assert len(friction["places"]) == 4 and friction["value"] == 0.35
-    (stiff,) = (e for e in again.run("return wrsim.live.data.elements") if e["words"] == "stiffness of guide")
-    moved(again, 5000)
-    bench.step(5000)
-    slide(again, "Friction of all rails", 0.1)
-    slide(again, "stiffness of guide", 2.0)
+    (stiff,) = (e for e in fresh.run("return wrsim.live.data.elements") if e["words"] == "stiffness of guide")
+    moved(fresh, 1000)
+    bench.step(1000)
+    slide(fresh, "Friction of all rails", 0.1)
+    slide(fresh, "stiffness of guide", 2.0)
     bench.memory.buffer[friction["places"]] = 0.1
     bench.memory.buffer[stiff["places"]] *= 2.0
     before = bench.outputs["wheelset.Y_left_N"].copy()
-    bench.step(500)
-    off = differences(moved(again, 500), bench)
+    bench.step(300)
+    off = differences(moved(fresh, 300), bench)
     assert off["N"] < 1e-5
     plain = stepper(SCENARIO)
-    plain.step(5500)
+    plain.step(1300)
     assert abs(plain.outputs["wheelset.Y_left_N"] - bench.outputs["wheelset.Y_left_N"]) > 0.01 * abs(before)
 
 
@@ -137,27 +151,27 @@ def test_a_step_that_is_too_long_is_halved_until_the_forces_are_in_balance() -> 
     assert holding_stepper(load(FILE).with_values({"run.distance_m": 15.0})).step_size == 1e-3
 
 
-def test_a_vehicle_that_diverges_is_stopped_and_told(again: Browser) -> None:
-    again.run(
+def test_a_vehicle_that_diverges_is_stopped_and_told(fresh: Browser) -> None:
+    fresh.run(
         "const { live } = wrsim, { elements } = live.data;"
         "const pairs = elements.flatMap((e) => e.places.map((p, k) => [p, 1e5 * e.values[k]]));"
         "live.worker.postMessage({ set: pairs }); live.play(true)"
     )
-    again.wait("document.getElementById('remark').textContent.includes('The run has ended at')")
-    told = again.run("return document.getElementById('remark').textContent")
+    fresh.wait("document.getElementById('remark').textContent.includes('The run has ended at')")
+    told = fresh.run("return document.getElementById('remark').textContent")
     assert "without balance" in told or "left its track" in told
     assert "--step-ms 0.5" in told
-    again.wait("!wrsim.live.playing")
+    fresh.wait("!wrsim.live.playing")
 
 
-def test_the_speed_changes_evenly_to_the_one_that_is_asked_for(again: Browser) -> None:
-    slide(again, "Speed", 3.6 * 14.0)  # from 15 m/s, by 1 m/s2
-    moved(again, 500)
-    assert again.run("return wrsim.live.frame.speed") == pytest.approx(14.5, abs=1e-3)
-    found = moved(again, 1500)
-    assert again.run("return wrsim.live.frame.speed") == pytest.approx(14.0, abs=1e-9)
+def test_the_speed_changes_evenly_to_the_one_that_is_asked_for(fresh: Browser) -> None:
+    slide(fresh, "Speed", 3.6 * 14.0)  # from 15 m/s, by 1 m/s2
+    moved(fresh, 500)
+    assert fresh.run("return wrsim.live.frame.speed") == pytest.approx(14.5, abs=1e-3)
+    found = moved(fresh, 1500)
+    assert fresh.run("return wrsim.live.frame.speed") == pytest.approx(14.0, abs=1e-9)
     way = 15.0 * 1.0 - 0.5 * 1.0 + 14.0 * 1.0
-    assert found["bodies"]["wheelset"]["distance"] == pytest.approx(way, abs=0.05)
+    assert found["bodies"]["wheelset"]["distance"] == pytest.approx(START + way, abs=0.05)
 
 
 def test_keys_alone_run_step_and_begin_again(again: Browser) -> None:
@@ -223,23 +237,23 @@ def test_a_finger_runs_the_vehicle_and_turns_the_camera(again: Browser) -> None:
         again.wait("wrsim.live.playing && wrsim.live.frame.time > 0.02")
     finally:
         again.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
-        again.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size | {"width": 1000, "mobile": False})
+        again.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size | {"width": WIDTH, "mobile": False})
 
 
-def test_two_pages_run_each_for_itself(again: Browser) -> None:
-    first, address = again.driver.current_window_handle, again.driver.current_url
-    again.driver.switch_to.new_window("window")
+def test_two_pages_run_each_for_itself(fresh: Browser) -> None:
+    first, address = fresh.driver.current_window_handle, fresh.driver.current_url
+    fresh.driver.switch_to.new_window("window")
     try:
-        again.driver.get(address)
-        again.run("return wrsim.ready.then(() => true)")
-        slide(again, "Friction of all rails", 0.1)
-        assert moved(again, 400)["time"] == pytest.approx(0.4)
+        fresh.driver.get(address)
+        fresh.run("return wrsim.ready.then(() => true)")
+        slide(fresh, "Friction of all rails", 0.1)
+        assert moved(fresh, 400)["time"] == pytest.approx(0.4)
     finally:
-        again.driver.close()
-        again.driver.switch_to.window(first)
+        fresh.driver.close()
+        fresh.driver.switch_to.window(first)
     bench = stepper(SCENARIO)
     bench.step(200)
-    found = moved(again, 200)
+    found = moved(fresh, 200)
     assert found["time"] == pytest.approx(0.2)
     assert differences(found, bench)["N"] < 1e-9
 
@@ -260,13 +274,13 @@ def test_a_long_run_keeps_so_many_samples_and_is_saved_whole(again: Browser) -> 
 
 
 def test_the_end_of_the_track_begins_the_run_again(again: Browser) -> None:
-    again.run("wrsim.live.worker.postMessage({ end: 1.0 }); wrsim.live.play(true)")
+    again.run(f"wrsim.live.worker.postMessage({{ end: {START + 1.0} }}); wrsim.live.play(true)")
     again.wait("document.getElementById('remark').textContent.includes('Again from the start')")
     again.run("wrsim.live.play(false)")
 
 
 def test_a_narrow_page_needs_no_scrolling_sideways_and_is_drawn(again: Browser) -> None:
-    moved(again, 2000)
+    moved(again, 200)
     again.run("const w = document.getElementById('wheel'); w.value = 1; w.dispatchEvent(new Event('change'))")
     again.wait("wrsim.live.frame.wheel === 1")
     assert "N " in again.run("return document.getElementById('section').getAttribute('aria-label')")
@@ -281,10 +295,8 @@ def test_a_narrow_page_needs_no_scrolling_sideways_and_is_drawn(again: Browser) 
 def test_a_live_page_has_a_policy_of_its_own_and_needs_a_compiler(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scenario = tmp_path / "curve.toml"
-    scenario.write_text(SCENARIO.text, encoding="utf-8")
     monkeypatch.setattr("wrsim.report.live_vehicle.unit_program", lambda *arguments: b"program")
-    text = Path(write_live(str(FILE), tmp_path / "live.html").files[0]).read_text(encoding="utf-8")
+    text = Path(write_live(str(FILE), tmp_path / "live.html", values=VALUES).files[0]).read_text(encoding="utf-8")
     (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', text)
     assert "default-src 'none'" in policy and "'wasm-unsafe-eval'" in policy and "worker-src blob:" in policy
     assert "http" not in policy and "unsafe-inline" not in policy and "connect-src" not in policy
@@ -292,5 +304,5 @@ def test_a_live_page_has_a_policy_of_its_own_and_needs_a_compiler(
     monkeypatch.undo()
     monkeypatch.setattr("wrsim.contact.library.build.find_spec", lambda name: None)
     with pytest.raises(WrsimError, match=r"^wasm: needs zig: pip install 'wrsim\[cross\]'$"):
-        write_live(str(FILE), tmp_path / "another.html")
+        write_live(str(FILE), tmp_path / "another.html", values=VALUES)
     assert not (tmp_path / "another.html").exists()

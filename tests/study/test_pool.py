@@ -15,16 +15,15 @@ from wrsim.study.engine import execute, missing
 from wrsim.study.pool import ONE_THREAD, Pool, WorkerDied
 
 
-def test_a_killed_process_is_started_again_and_the_study_has_the_numbers_of_one_process(tmp_path, monkeypatch):
+def test_a_killed_process_is_started_again_and_the_study_has_the_numbers_of_one_left_alone(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "PLAIN_PROCESSES", True)
     folders = [tmp_path / name for name in ("pool", "alone")]
     for folder in folders:
         folder.mkdir()
     plan, alone = (plan_of(study_file(folder), folder / "out") for folder in folders)
-    with cluster.local_workers(1) as pool:
-        execute(pool, alone, missing(alone))
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     with cluster.local_workers(2) as pool, ThreadPoolExecutor(1) as thread:
+        execute(pool, alone, missing(alone))
         running = thread.submit(execute, pool, plan, missing(plan), None, 2)
         wait_until(lambda: len(missing(plan)) <= 4 or running.done())
         pool._processes[0].kill()
