@@ -7,6 +7,7 @@ import pytest
 from support.scenario_texts import STATIC, faults
 
 from wrsim import SimulationError, load_text, run
+from wrsim.report.document import contact_sentence
 
 # The exact solver chosen in a scenario: the same channels and strips as the strip models, and all bad input told.
 POSES = "lateral_mm = [0, 5.06, 6.5]\nyaw_mrad = 5\nload_kN = 60\n"
@@ -67,6 +68,19 @@ def test_hard_poses_have_a_result_or_a_reason(friction, shifts, yaws, loads, lea
             assert np.isfinite(d[name].values[solved_ones]).all()
     slid = np.hypot(patches(d, "Fx"), patches(d, "Fy"))
     assert (slid <= friction * patches(d, "N") * (1.0 + 1e-6)).all()
+
+
+def test_turned_influence_that_is_left_out_is_said_with_what_it_would_change():
+    poses = "lateral_mm = [0, 6.7]\nyaw_mrad = 3\nload_kN = 60\n"
+    plain, turned = solved("", poses), solved("half_space = {influence = 'angle-corrected'}", poses)
+    assert "contact_remark" not in turned
+    none, said = plain["contact_remark"].values.ravel()
+    assert none == ""
+    p0 = [1e-6 * float(d["p0"][1].max()) for d in (plain, turned)]
+    assert f"p0 = {p0[0]:.4g} MPa, and {p0[1]:.4g} MPa with" in said
+    assert p0[1] == pytest.approx(p0[0], rel=0.042) and p0[1] != pytest.approx(p0[0], rel=0.02)
+    assert "Normals turn by up to 42 degrees over a patch" in contact_sentence(plain)
+    assert "Normals" not in contact_sentence(turned)
 
 
 def test_too_many_elements_are_said():

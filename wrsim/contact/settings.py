@@ -56,6 +56,9 @@ RANGES = {
 """Smallest and largest numbers of these names, those of the keys of a scenario, in SI units."""
 MOST_FRICTION = 2.0  # largest coefficient
 
+TURNED = radians(10.0)
+"""Turn of the normals over a patch up to which turned influence changes p0 at a load by 0.01 at most: beyond it is told
+that it is left out."""
 DRY = 0.35  # coefficient of friction unless given
 
 

@@ -7,6 +7,7 @@ import datetime
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import degrees
 from pathlib import Path
 
 import xarray as xr
@@ -14,7 +15,7 @@ from markupsafe import Markup
 
 from wrsim.assessment.outcome import TRANSITION, Assessment
 from wrsim.contact.creep.laws import CREEP_LAWS
-from wrsim.contact.settings import DRY, USUAL, ContactSettings
+from wrsim.contact.settings import DRY, TURNED, USUAL, ContactSettings
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.results import Result
@@ -159,6 +160,12 @@ def contact_sentence(dataset: xr.Dataset, of: str = "") -> str:
         friction = section.get("friction", DRY)
         how = f"coefficient of friction {friction:g}" if isinstance(friction, int | float) else "friction by its law"
         words += f"; creep forces by {CREEP_LAWS[creep].text}, {how}"
+    turn = float(dataset["contact_angle_variation"].max()) if "contact_angle_variation" in dataset else 0.0
+    if turn > TURNED and normal == "strips" and section.get("half_space", {}).get("influence") != "angle-corrected":
+        words += (
+            f". Normals turn by up to {degrees(turn):.0f} degrees over a patch, which the influence of pressures "
+            "leaves out; wrsim resolve --contact strips+half_space.influence=angle-corrected tells what it would change"
+        )
     return f"{words}."
 
 

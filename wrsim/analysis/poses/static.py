@@ -19,7 +19,7 @@ from wrsim.contact.models import contact_model
 from wrsim.contact.patches import RawContacts
 from wrsim.contact.pose import Pose
 from wrsim.contact.profiles.profile import Profile
-from wrsim.contact.settings import DRY, AnyFriction, ContactSettings
+from wrsim.contact.settings import DRY, TURNED, AnyFriction, ContactSettings
 from wrsim.contact.status import UNMET, UNSOLVED
 from wrsim.errors import InputError, SimulationError
 from wrsim.jit import Array
@@ -162,10 +162,10 @@ def _solved(
     poses = poses[: len(solutions)]
     of_wheels = contact_channels(raw.first(len(solutions)), wheels)
     names = [w.name for w in wheels]
-    remarks = []
+    remarks, turned = [], _turned_words(wheels, poses, of_wheels, rolling, radius)
     for i, solved in enumerate(solutions):
         flanks = [_flank_words(name, {n: v[i, j] for n, v in of_wheels.items()}) for j, name in enumerate(names)]
-        remarks.append("; ".join(filter(None, [solved.remark, *flanks])))
+        remarks.append("; ".join(filter(None, [solved.remark, *flanks, turned.get(i)])))
     channels: dict[str, ArrayLike] = {
         "load": [p.load for p in poses],
         "pose_message": [solved.message for solved in solutions],
@@ -194,6 +194,32 @@ def _flank_words(wheel: str, of: dict[str, NDArray[np.float64]]) -> str:
         f"the {wheel} wheel carries {q / 1e3:.4g} kN down on a flank of {np.degrees(angle):.3g} degrees: "
         f"N = {normal / 1e3:.4g} kN, p0 = {pressure / 1e6:.4g} MPa, and {abs(y) / 1e3:.4g} kN sideways to hold it there"
     )
+
+
+def _turned_words(
+    wheels: Sequence[WheelOnRail], poses: Sequence[Pose], channels: dict[str, Array], rolling: bool, radius: float
+) -> dict[int, str]:
+    """A sentence on each pose whose strips leave out that their influence turns with normals, though these turn by more
+    than TURNED over a patch: what it would change."""
+    settings = wheels[0].model.settings
+    if settings.normal != "strips" or settings.half_space.influence != "half-space":
+        return {}
+    angle = np.nan_to_num(channels["contact_angle_max"] - channels["contact_angle_min"]).max(axis=2)
+    settings = replace(settings, half_space=replace(settings.half_space, influence="angle-corrected"))
+    solver = PoseSolver([replace(w, model=replace(w.model, settings=settings)) for w in wheels], rolling, radius)
+    words = {}
+    for i in np.flatnonzero(angle.max(axis=1) > TURNED).tolist():
+        if solver.solve(poses[i]).message:
+            continue
+        j = int(angle[i].argmax())
+        arrays, p0 = solver.holders[j].model.arrays, float(np.nanmax(channels["p0"][i, j]))
+        other = float(arrays.patches[: arrays.total.lobes]["p0"].max())
+        words[i] = (
+            f"normals turn by {np.degrees(angle[i, j]):.3g} degrees over a patch of the {wheels[j].name} wheel, which "
+            f"the influence of pressures leaves out: p0 = {p0 / 1e6:.4g} MPa, and {other / 1e6:.4g} MPa with "
+            'contact.half_space.influence = "angle-corrected"'
+        )
+    return words
 
 
 def contact_map(
