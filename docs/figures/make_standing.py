@@ -2,6 +2,7 @@
 
 They come from docs/data/validation.toml and docs/data/standing; the latter is written by:
 python campaigns/scoreboard.py REFERENCE --standing docs/data/standing
+python campaigns/oracle.py --write
 python -m campaigns.benchmark REFERENCE --report
 """
 
@@ -317,6 +318,20 @@ def other_tables() -> str:
     return "\n\n".join([regions, angles, grooves])
 
 
+def oracle_table() -> str:
+    """Differences from ContactMechanics, on rails and on rollers."""
+    rows, body = read("oracle"), []
+    for below in dict.fromkeys(r["below"] for r in rows):
+        chosen = [r for r in rows if r["below"] == below]
+        for model in ("half-space", "strips"):
+            cells = []
+            for quantity in ("N", "p0"):
+                e = np.abs([100.0 * float(r[f"{model} {quantity}"]) for r in chosen])
+                cells.append("{:.3f} / {:.3f} / {:.3f} %".format(*np.percentile(e, [50.0, 95.0]), e.max()))
+            body.append([f"{name_of(model)}, {len(chosen)} poses on {below}", *cells])
+    return table(["median / 95 % / worst", "N", "p0"], body)
+
+
 def creep_table() -> str:
     """Errors of the creep forces."""
     rows = read("creep_forces")
@@ -418,6 +433,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "static": static_tables,
     "arcs": arc_table,
     "others": other_tables,
+    "oracle": oracle_table,
     "creep": creep_table,
     "times": time_table,
     "yardstick": yardstick,

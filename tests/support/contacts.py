@@ -115,11 +115,14 @@ def numbers(contact: Contact) -> list[float]:
     return [*contact.force, *contact.moment, contact.wear_number, contact.closest, *lobes]
 
 
-def wheel_at(table: Array, step: float, radius: float, origin: Array, axle: Array) -> PlacedWheel:
-    """A wheel as the kernels take it, from its profile's table; origin, axle: (3,) in rail axes."""
+def wheel_at(
+    table: Array, step: float, radius: float, origin: Array, axle: Array, roller: float = 0.0
+) -> PlacedWheel:  # fmt: skip
+    """A wheel as the kernels take it, from its profile's table; origin, axle: (3,) in rail axes;
+    roller: inverse of its radius [1/m]."""
     pose = WheelPose(Vec(*map(float, origin)), Vec(*map(float, axle)), Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0))
     none = np.zeros((0, 0))
-    return placed(Table(table, float(step)), radius, pose, Shape(none, none, 0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0)
+    return placed(Table(table, float(step)), radius, pose, Shape(none, none, 0, 0.0, 0.0, 0.0, 0.0, 0.0), roller)
 
 
 def columns(rows: Array, names: str) -> Array:
