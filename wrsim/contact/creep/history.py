@@ -148,7 +148,8 @@ def march_with_history(on: Rolling, model: Record, rising: bool, speed: float) -
                     qx, qy = x0 * limit, y0 * limit
                 # the slip over the flexibility: what has not become traction
                 rigid = qx * (free_x - lifted * px) + qy * (free_y - lifted * py)
-                slid = rigid - release * (qx * (qx - px) + qy * (qy - py))
+                follows = 1.0 + (1.0 - part) * rise
+                slid = rigid - release * (qx * (qx - follows * px) + qy * (qy - follows * py))
                 heat[j] = per_slip * max(slid, 0.0) if x < stuck else 0.0
                 if trial == 0:
                     own = warming * OWN * heat[j] / max(mu, TINY)
