@@ -136,7 +136,7 @@ def test_modes_of_a_train_that_hardly_anything_couples_are_those_of_each_vehicle
 def test_forces_of_a_coupling_are_those_of_its_elements_and_of_both_sides(tmp_path: Path) -> None:
     """In a curve with a tight coupling: hook and buffers add up to what the coupling says, and what acts on the vehicle
     behind, turned by the angle between the bodies, acts on that ahead the other way round."""
-    keys = {"track.segments": [straight(14.0), arc(60.0, 190.0)], "run.start_distance_m": 1.0, "run.distance_m": 34.0}
+    keys = {"track.segments": [straight(14.0), arc(60.0, 190.0)], "run.start_distance_m": 1.0, "run.distance_m": 25.0}
     keys |= {"run.step_us": 10_000, "run.output_interval_ms": 50.0}
     asked = scenario(tmp_path, ("count = 3", "count = 2"), **keys)
     result = run(asked)

@@ -2,7 +2,9 @@
 
 import json
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -40,15 +42,24 @@ def run() -> Result:
     )  # fmt: skip
 
 
+@cache
+def recorded(gain: float) -> dict[str, bytes]:
+    """The files of a run and of its measurement, by names."""
+    with TemporaryDirectory() as scratch:
+        folder, result = Path(scratch), run()
+        result.save(folder / "result.nc")
+        dataset = result.dataset
+        y, q = (1e-3 * dataset[name].values[:, 0] for name in "YQ")
+        columns = np.column_stack([dataset["distance"].values + SHIFT, y, gain * q])
+        header = "place [m],Yleft [kN],Yright [kN],Qleft [kN],Qright [kN]"
+        np.savetxt(folder / "measured.csv", columns, fmt="%.9g", delimiter=",", header=header, comments="")
+        return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
 def files(folder: Path, series: str = "Yleft Yright Qleft Qright", more: str = "", gain: float = GAIN) -> Path:
     """A validation whose measured forces are those of the model, Q times a factor."""
-    result = run()
-    result.save(folder / "result.nc")
-    dataset = result.dataset
-    y, q = (1e-3 * dataset[name].values[:, 0] for name in "YQ")
-    columns = np.column_stack([dataset["distance"].values + SHIFT, y, gain * q])
-    header = "place [m],Yleft [kN],Yright [kN],Qleft [kN],Qright [kN]"
-    np.savetxt(folder / "measured.csv", columns, fmt="%.9g", delimiter=",", header=header, comments="")
+    for name, content in recorded(gain).items():
+        (folder / name).write_bytes(content)
     file = folder / "validation.toml"
     file.write_text(FILE + "".join(SERIES.format(name[0], name[1:]) for name in series.split()) + more)
     return file

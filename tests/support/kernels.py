@@ -11,6 +11,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from math import sqrt
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import FunctionType
 from typing import Any
 
@@ -22,7 +24,7 @@ from support.contacts import bench, contact_of, numbers, pair_model, settle, str
 from support.crossings import branches_that_cross
 from support.ellipse import roll
 from support.knife_edge import KnifeEdgeForces, example_wheelset
-from support.objects import kept_objects
+from support.objects import begin_wasm_library, kept_objects
 from support.paths import curvature, locate
 from support.vehicles import manchester, on_track, shipped
 from wrsim import Arc, ContactModel, ContactSettings, Flat, Friction, contact_model
@@ -388,10 +390,9 @@ def note_first_calls() -> set[tuple[str, str]]:
     return worked
 
 
-def main(form: str = "") -> object:
-    """Do the cases without the compiler, and note which functions of the kernels' files work; without a form: compile
-    for the tests to come."""
-    if not form:
+def compile_ahead() -> None:
+    """Kernels that only tests call, their machine code in libraries, and what zig builds for pages."""
+    with TemporaryDirectory() as scratch, begin_wasm_library(Path(scratch) / "empty.wasm"):
         cases(True)
         roll(1.0)
         wheelset = KnifeEdgeForces(example_wheelset(), 30.0)
@@ -401,7 +402,16 @@ def main(form: str = "") -> object:
         settle(bench(pair_model(PAIR, normal="strips", **SMALL), rolling=False), 0.0, 0.0, 1e4)
         locus_point(place_bodies(pair_model(PAIR, **SMALL).arrays.rows)[0], 0.03)
         compile_stages(*STAGES)
-        return kept_objects({f"wrsim_stage_{number}": stage for number, stage in STAGES.items()}, this_target())
+        for target in (this_target(), "wasm"):
+            kept_objects({f"wrsim_stage_{number}": stage for number, stage in STAGES.items()}, target)
+
+
+def main(form: str = "") -> None:
+    """Do the cases without the compiler, and note which functions of the kernels' files work; without a form: compile
+    for the tests to come."""
+    if not form:
+        compile_ahead()
+        return
     kernels()  # all are imported
     worked = note_first_calls()
     sys.stdout.buffer.write(pickle.dumps((cases(form == "full"), worked)))
