@@ -6,11 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from support.rows import rows_of
 from support.scenario_texts import CURVE, edited, faults
 
 from wrsim import ContactSettings, Friction, InputError, load, load_text
+from wrsim.assessment import nadal
 from wrsim.contact import Layer
+from wrsim.report.document import contact_sentence
 from wrsim.scenario.build import build
 
 table = rows_of(__file__)
@@ -51,6 +54,19 @@ def test_layers_are_in_si_units():
     layer = "{thickness_mm = 0.02, shear_modulus_GPa = 1, yield_stress_MPa = 150, hardening_MPa_per_mm = 828}"
     text = edited(CURVE, "friction = 0.35", f"normal = 'half-space'\nlayer = {layer}")
     assert build(load_text(text, "case.toml")).contact.layer == Layer(2e-5, 1e9, 150e6, 828e9)
+
+
+def test_the_report_and_nadal_s_limit_know_the_heat() -> None:
+    contact = "[contact]\nfriction = 0.12\nlayer = {yield_stress_MPa = 150}\n[contact.temperature]\n"
+    sentences, friction = [], []
+    for change in (0.15, -0.05):
+        text = f"{contact}friction_change = {change}\nfriction_over_K = 80\n"
+        dataset = xr.Dataset(attrs={"scenario_text": text, "analysis": "curving"})
+        sentences.append(contact_sentence(dataset))
+        friction.append(nadal._friction_of(dataset))
+    assert "0.12, which changes by +0.15 over 80 K from 20 °C on; a layer between them that yields" in sentences[0]
+    # the largest there may be
+    assert friction == pytest.approx([0.27, 0.12])
 
 
 def friction_along(text: str, more: str, folder: Path | None = None) -> Any:

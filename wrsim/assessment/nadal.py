@@ -102,14 +102,17 @@ class Climbing:
 
 
 def _friction_of(dataset: xr.Dataset) -> float | None:
-    """Largest coefficient of friction of both rails, along the track or in the scenario; None where neither has one."""
+    """Largest coefficient of friction of both rails, along the track or in the scenario, with what the temperature may
+    add to it; None where neither has one."""
+    contact = table_of_scenario(dataset, "contact")
+    rise = max((contact or {}).get("temperature", {}).get("friction_change", 0.0), 0.0)
     if "rail_friction" in dataset:
-        return float(max(dataset[name].max() for name in ("rail_friction", "rail_friction_corner")))
-    if (contact := table_of_scenario(dataset, "contact")) is None:
+        return rise + float(max(dataset[name].max() for name in ("rail_friction", "rail_friction_corner")))
+    if contact is None:
         return None
     both = contact.get("friction", _largest(ContactSettings().friction))
     largest = [_largest(contact.get(f"friction_{side}", both)) for side in ("left", "right")]
-    return max((value for value in largest if value is not None), default=None)
+    return max((rise + value for value in largest if value is not None), default=None)
 
 
 def _largest(friction: Any) -> float | None:

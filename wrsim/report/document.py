@@ -15,7 +15,7 @@ from markupsafe import Markup
 
 from wrsim.assessment.outcome import TRANSITION, Assessment
 from wrsim.contact.creep.laws import CREEP_LAWS
-from wrsim.contact.settings import DRY, TURNED, USUAL, ContactSettings
+from wrsim.contact.settings import DRY, TURNED, USUAL, ContactSettings, Heating
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.results import Result
@@ -160,6 +160,13 @@ def contact_sentence(dataset: xr.Dataset, of: str = "") -> str:
         friction = section.get("friction", DRY)
         how = f"coefficient of friction {friction:g}" if isinstance(friction, int | float) else "friction by its law"
         words += f"; creep forces by {CREEP_LAWS[creep].text}, {how}"
+        heat = section.get("temperature", {})
+        if change := heat.get("friction_change"):
+            start = heat.get("friction_from_C", Heating().friction_from)
+            words += f", which changes by {change:+g} over {heat['friction_over_K']:g} K from {start:g} °C on"
+        if layer := section.get("layer"):
+            kinds = {"thickness_mm": "shears elastically", "yield_stress_MPa": "yields"}
+            words += f"; a layer between them that {' and '.join(text for key, text in kinds.items() if key in layer)}"
     turn = float(dataset["contact_angle_variation"].max()) if "contact_angle_variation" in dataset else 0.0
     if turn > TURNED and normal == "strips" and section.get("half_space", {}).get("influence") != "angle-corrected":
         words += (
