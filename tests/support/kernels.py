@@ -35,7 +35,8 @@ from wrsim.contact.creep.laws import KERNEL_LAWS
 from wrsim.contact.prescribed_load import SEARCH, contact_at_load
 from wrsim.contact.profiles.sections import circle
 from wrsim.contact.search.locus import locus_point
-from wrsim.contact.settings import ConicalWheels, FrictionAlong, HalfSpaceSettings, Material
+from wrsim.contact.settings import ConicalWheels, FrictionAlong, HalfSpaceSettings, Heating, Material
+from wrsim.contact.settings import Layer as ThirdBody
 from wrsim.contact.strips.changes import deactivate_grid
 from wrsim.contact.strips.derivatives import jacobian
 from wrsim.contact.strips.equations import residuals
@@ -160,6 +161,10 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
     few = ContactSettings(normal="kik-piotrowski", strips=6, cells=4)
     rig = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, few, FRICTION, roller=0.8)
     found["roller"] = numbers(rig.evaluate((0.0, 1e-4, 0.45991), (-0.01, sqrt(1.0 - 1e-4), 0.0), (20.0, 0.0, 0.0)))
+    hot = replace(few, layer=ThirdBody(1e-5, yield_stress=1e8, hardening=1e12), temperature=Heating(-0.1))
+    warmed = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, hot, FRICTION)
+    sliding = warmed.evaluate((0.0, 1e-4, 0.45991), velocity=(20.0, 0.0, 0.0), omega=(0.0, 43.0, 0.0))
+    found["layer that yields, heat"] = numbers(sliding)
     many = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, few, FRICTION)
     poses = np.array([[0.0, o, 0.45995, 0.0, 1.0, 0.0, 20.0, 0.0, 0.0, 0.0, 43.7, 0.0] for o in (0.0, 1e-4)])
     for threads in (1, 2):
@@ -178,6 +183,7 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
     met = contact_at_load(held.buffer, held.index)
     found["a load in C"] = [float(met), float(abs(held.views[-1]["Fb"][0] - 3e4) < 0.1)]
     exact = ContactSettings(normal="half-space", cells=4, half_space=HalfSpaceSettings(resolution=3, tolerance=1e-9))
+    exact = replace(exact, temperature=Heating(-0.1))
     model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, exact, FRICTION, dip)
     rolling = model.evaluate((0.0, 0.0, 0.45991), velocity=(20.0, 0.1, 0.0), omega=(0.0, 43.7, 0.0), place=0.02)
     found["rail of sections, exact"] = numbers(rolling)
@@ -185,7 +191,8 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
     unfold(branches_that_cross(61), 0, -1.0, keep)
     found["branches that cross"] = keep.astype(float).tolist()
     along = FrictionAlong((0.0, 1.0, 2.0), (Friction(0.4), FRICTION, Friction(0.1)))
-    model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, ContactSettings(strips=6, cells=4), along)
+    curved = ContactSettings(strips=6, cells=4, half_space=HalfSpaceSettings(influence="angle-corrected"))
+    model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, curved, along)
     model.arrays.follow(not full)
     for place in (-1.0, 0.3, 1.0, 1.7, 3.0) if full else (0.3, 0.3001):
         height = 0.4593 if full else 0.4597 if place == 0.3 else 0.45965
