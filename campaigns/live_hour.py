@@ -76,7 +76,7 @@ def main(hours: float) -> None:
         opened.run("return wrsim.ready.then(() => true)")
         rows = []
         for part in range(1, PARTS + 1):
-            opened.run(f"return (async () => {{{DRAG % FRAMES // PARTS}}})()")
+            opened.run(f"return (async () => {{{DRAG % (FRAMES // PARTS)}}})()")
             memory = "wrsim.page.program.call.memory.buffer.byteLength"
             rows.append(row(opened, f"{FRAMES // PARTS * part} frames", memory, "wrsim.page.record.rows.length"))
         check(rows)
