@@ -75,8 +75,11 @@ def shortened(words: list[str], pictures: bool) -> list[str]:
     study, of ``plot`` with a place in it; searches run nothing. pictures: whether runs draw."""
     if words[0] in ("optimise", "calibrate"):
         return [*words, "--dry-run"]
-    if words[0] == "fmu" or (words[0] == "live" and words[1] != "contact"):  # else tried over the whole run
-        return [*words, *([] if words[0] == "live" or "--for" in words else ["--for", this_target()]), "--step-ms", "1"]
+    if words[0] == "fmu":  # a step is tried over the whole run, and zig makes the libraries of other systems first
+        others = words.index("--for") if "--for" in words else len(words)
+        return [*words[:others], *words[others + 2 :], "--for", this_target(), "--step-ms", "1"]
+    if words[0] == "live" and words[1] != "contact":
+        return [*words, "--step-ms", "1"]
     if words[0] == "study":
         short = Path(words[1]).with_stem(f"{Path(words[1]).stem}_short")
         short.write_text(ends(Path(words[1]).read_text(encoding="utf-8")), encoding="utf-8")

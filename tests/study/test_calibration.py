@@ -171,6 +171,20 @@ def test_candidates_without_a_result_turn_the_search_back():
     assert fitted(calibration)[1].intervals[0].value == pytest.approx(2.0, abs=1e-3)
 
 
+def test_a_series_that_jumps_beside_the_optimum_is_told():
+    """One step of the derivatives is 0.25 of a quarter of the bounds: 0.3."""
+    t = np.linspace(0.0, 1.0, 50)
+    rng = np.random.default_rng(6)
+    measured = 2.0 * t + 0.02 * rng.normal(size=50)
+
+    def notes(jump: float) -> list[str]:
+        model = lambda x: x[0] * t + jump * (x[0] > 2.2)  # noqa: E731
+        return Calibrated.of(*fitted(Formula(model, measured, 0.02, [key("a", 1.0)]))).notes()
+
+    assert not any("jumps" in note for note in notes(0.0))
+    assert any(note.startswith("series jumps or bends over a near its value") for note in notes(0.5))
+
+
 MODES = Result(
     xr.Dataset(
         {

@@ -8,6 +8,7 @@ squares run again with them until they change no more.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import exp, log
 from typing import NamedTuple
 
@@ -34,6 +35,8 @@ TOLERANCE = 3e-4
 FIRST_NOISE = 0.1
 """Largest noise that is not given in the first round, over the spread of the series: the misfit of a start is no noise,
 and would leave the keys at their priors."""
+FACTOR = 2.0
+"""By which derivatives over a key may change from one step to the next."""
 FAR = 10.0
 """Norm of the residual of a candidate without a result, over that at the start."""
 
@@ -179,6 +182,22 @@ class Fit:
             (first, a), (last, b) = there[0], there[-1]
             jacobian.append((last - first) / (b - a))  # type: ignore[operator]
         return np.column_stack(jacobian)
+
+    def uneven(self, u: Array) -> list[tuple[int, Target]]:
+        """Keys, and series of which the derivatives over them do not hold: between the steps to both sides of a point
+        they change by a factor of two, and by more than their noise."""
+        rows = []
+        for i, step in enumerate(STEP * np.eye(u.size)):
+            points = [np.clip(u + side, *self.bounds) for side in (-step, step)]
+            before, here, behind = self.models([points[0], u, points[1]])
+            if before is None or here is None or behind is None or not points[0][i] < u[i] < points[1][i]:
+                continue
+            for target, weight, *values in zip(self.targets, self.weights, before, here, behind, strict=True):
+                low, high = (float(np.linalg.norm(b - a)) / weight.noise for a, b in pairwise(values))
+                low, high = sorted((low / (u - points[0])[i], high / (points[1] - u)[i]))
+                if high > max(FACTOR * low, 1.0 / STEP):
+                    rows.append((i, target))
+        return rows
 
     def _side(self, u: Array, i: int) -> float:
         return -1.0 if u[i] + STEP > self.bounds[1][i] else 1.0
