@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gz18 import CANT_MM, STEADY, _profiles
 
 from wrsim import calibrate, load, run
 from wrsim.results import CHANNELS
@@ -175,8 +176,6 @@ OFF = {
 
 def metro_car(reference: Path, folder: Path) -> Path:
     """The calibration of GZ18 with parameters off by 20 to 40 % to the series of ORVD."""
-    from gz18 import CANT_MM, STEADY, _profiles
-
     folder.mkdir(parents=True, exist_ok=True)
     files = _profiles(reference, folder, "gz18")
     curves = STEADY.format(**files, car="gz18", radius="[300]", cant=0).replace("-[300]", "[-300, -600]")
