@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
-from wrsim.analysis.motion.run import holding_stepper, stepper
+from wrsim.analysis.motion.run import holding_stepper
 from wrsim.assessment.limits import LimitContext
 from wrsim.assessment.rules import USUAL, rule_set
 from wrsim.contact.library.build import compiler_for
@@ -53,8 +53,7 @@ def live_vehicle_page(scenario: Scenario | str | Path, step: float | None = None
     """
     scenario = loaded(scenario)
     compiler_for("wasm")
-    bench = holding_stepper(scenario) if step is None else stepper(scenario, step)
-    setup = build(scenario)
+    bench, setup = holding_stepper(scenario, step), build(scenario)
     normal = NORMAL_MODELS[setup.contact.normal].kernel
     program = unit_program(bench, normal, TOKEN, "wasm")
     return live_page("live_vehicle.html", scenario.title, program, live_data(bench, setup)), bench.step_size

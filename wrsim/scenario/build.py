@@ -152,7 +152,7 @@ def _build(scenario: Scenario) -> Setup[Any]:
         drive=drive,
         rails=rails,
         surfaces=surfaces,
-        roller=None if spec.track.rollers is None else spec.track.rollers.radius_mm / 1e3,
+        roller=None if rollers is None else rollers.radius_mm / 1e3,
         track=track,
         contact=contact_of(scenario, track),
         conical=None if spec.contact.conical is None else spec.contact.conical.to_si(ConicalWheels),

@@ -24,7 +24,7 @@ def file_names(kind: str, scenarios: Sequence[str]) -> tuple[str, ...]:
 def write_changed(
     folder: Path, kind: str, candidates: Candidates, values: Sequence[Any], done: str, remarks: Sequence[str]
 ) -> list[Path]:
-    """The scenarios with values that were found, and the files of vehicle and wheel in which they change something.
+    """The scenarios with new values, and the files of vehicle and wheel in which they change something.
 
     kind: first word of the names of the files; done: what was done to a scenario, for its title."""
     changes, scenarios = candidates.changes(values), candidates.scenarios

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from wrsim.analysis.motion.run import holding_stepper, stepper
+from wrsim.analysis.motion.run import holding_stepper
 from wrsim.contact.library.build import compiler_for
 from wrsim.contact.models import NORMAL_MODELS
 from wrsim.errors import WrsimError
@@ -39,8 +39,7 @@ def export_fmu(
     chosen = [system for system in systems or FOLDERS[version] if system not in missing]
     if missing and (systems or not chosen):
         raise WrsimError(next(iter(missing.values())))
-    bench = holding_stepper(scenario) if step is None else stepper(scenario, step)
-    setup = build(scenario)
+    bench, setup = holding_stepper(scenario, step), build(scenario)
     text, resources = scenario.text, {}
     for file in setup.files:
         if file not in scenario.merged.files:

@@ -230,7 +230,7 @@ def _block(
             stacked["shaft_moment"] = shaft
     if vehicle.bodies:
         stacked |= states.body_channels(law, q, q_t, bodies)
-        if all(wheel.model.roller is None for pair in law.wheels for wheel in pair):  # drives of rollers
+        if setup.roller is None:  # drives of rollers
             stacked |= states.energy_channels(law, q, q_t)
         stacked |= dict(zip(("creep_power", "damper_power", "pull_power"), powers, strict=True))
     if seats:

@@ -173,16 +173,21 @@ def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iteration
         raise SimulationError(start_words(problem, setup)) from None
 
 
-def holding_stepper(scenario: Scenario) -> Stepper:
-    """A `stepper` with BENCH_STEP, halved until it holds over the run. Raises SimulationError where none does."""
+def holding_stepper(scenario: Scenario, step: float | None = None) -> Stepper:
+    """A `stepper` with a step [s], or with BENCH_STEP, halved until it holds over the run. Raises SimulationError where
+    none does."""
+    if step is not None:
+        return stepper(scenario, step)
+    duration = None
     for halvings in range(HALVINGS + 1):
         step = BENCH_STEP / 2**halvings
         bench = stepper(scenario, step)  # refuses what has no duration
-        if _holds(bench, round(build(scenario).plan.duration / step)):
+        duration = duration or build(scenario).plan.duration
+        if _holds(bench, round(duration / step)):
             return stepper(scenario, step)
     raise SimulationError(
-        f"{scenario.title}: no step down to {1e3 * step:g} ms holds with {BENCH_ITERATIONS} iterations: more than"
-        f" {HELD:.0%} of the weight is left without balance in more than {1.0 - HELD_SHARE:.0%} of the steps"
+        f"{scenario.title}: no step down to {1e3 * BENCH_STEP / 2**HALVINGS:g} ms holds with {BENCH_ITERATIONS}"
+        f" iterations: more than {HELD:.0%} of the weight is left without balance in more than {1.0 - HELD_SHARE:.0%} of the steps"
     )
 
 

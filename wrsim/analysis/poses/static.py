@@ -207,19 +207,19 @@ def _turned_words(
     angle = np.nan_to_num(channels["contact_angle_max"] - channels["contact_angle_min"]).max(axis=2)
     settings = replace(settings, half_space=replace(settings.half_space, influence="angle-corrected"))
     solver = PoseSolver([replace(w, model=replace(w.model, settings=settings)) for w in wheels], rolling, radius)
-    words = {}
+    sentences = {}
     for i in np.flatnonzero(angle.max(axis=1) > TURNED).tolist():
         if solver.solve(poses[i]).message:
             continue
         j = int(angle[i].argmax())
         arrays, p0 = solver.holders[j].model.arrays, float(np.nanmax(channels["p0"][i, j]))
         other = float(arrays.patches[: arrays.total.lobes]["p0"].max())
-        words[i] = (
+        sentences[i] = (
             f"normals turn by {np.degrees(angle[i, j]):.3g} degrees over a patch of the {wheels[j].name} wheel, which "
             f"the influence of pressures leaves out: p0 = {p0 / 1e6:.4g} MPa, and {other / 1e6:.4g} MPa with "
             'contact.half_space.influence = "angle-corrected"'
         )
-    return words
+    return sentences
 
 
 def contact_map(

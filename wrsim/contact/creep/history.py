@@ -24,9 +24,8 @@ from wrsim.contact.creep.march import (
 from wrsim.jit import Array, Record, inlined, kernel
 
 HEAT = 0  # row of the scratch array: heat of the cells of one strip [J/m2]
-RESIDUAL = 0.1  # of a yield stress that falls, as in contact.half_space.rolling_kernel
-SLIP = 2.0  # state of an element that slides; of a layer that yields it is above that (contact.half_space)
-OWN = sqrt(2.0)  # weight of a cell's own heat at its centre
+RESIDUAL = 0.1  # of a yield stress that falls (CONTACT)
+AT_CENTRE = sqrt(2.0)  # weight of the heat of a cell at its centre
 
 
 @inlined
@@ -64,32 +63,6 @@ def heat_before(heat: Array, j: int) -> float:
     for m in range(j):
         total += 2.0 * (sqrt(j - m + 0.5) - sqrt(j - m - 0.5)) * heat[m]
     return total
-
-
-@kernel
-def heat_rows(
-    model: Record, speed: float, dx: float, forward: float, cold: Array, p: Array, q: Array, slip: Array, state: Array,
-    heat: Array, friction: Array, temperature: Array,
-) -> None:  # fmt: skip
-    """The same for rows of elements (contact.half_space): heat [J/m2], coefficients of friction and temperatures
-    [degC], (rows, columns). cold: coefficients before any heat; p, q [Pa], slip over the speed and state of a solution.
-    Where elements slide their traction is taken to be that of the new coefficient."""
-    rows, columns = p.shape
-    warming = model.warming * sqrt(speed / dx)
-    for j in range(rows):
-        for m in range(columns):
-            i = columns - 1 - m if forward > 0.0 else m
-            before = 0.0
-            for k in range(m):
-                ahead = columns - 1 - k if forward > 0.0 else k
-                before += 2.0 * (sqrt(m - k + 0.5) - sqrt(m - k - 0.5)) * heat[j, ahead]
-            way = dx * sqrt(slip[0, j, i] * slip[0, j, i] + slip[1, j, i] * slip[1, j, i])
-            slides = p[j, i] * way if state[j, i] == SLIP else 0.0
-            friction[j, i] = friction_in_heat(cold[j, i], model, model.bulk + warming * before, warming * OWN * slides)
-            heat[j, i] = friction[j, i] * slides
-            if state[j, i] > SLIP:
-                heat[j, i] = sqrt(q[0, j, i] * q[0, j, i] + q[1, j, i] * q[1, j, i]) * way
-            temperature[j, i] = model.bulk + warming * (before + OWN * heat[j, i])
 
 
 @kernel
@@ -152,13 +125,13 @@ def march_with_history(on: Rolling, model: Record, rising: bool, speed: float) -
                 slid = rigid - release * (qx * (qx - follows * px) + qy * (qy - follows * py))
                 heat[j] = per_slip * max(slid, 0.0) if x < stuck else 0.0
                 if trial == 0:
-                    own = warming * OWN * heat[j] / max(mu, TINY)
-                    mu = friction_in_heat(cold, model, temperature, own)
+                    heating = warming * AT_CENTRE * heat[j] / max(mu, TINY)
+                    mu = friction_in_heat(cold, model, temperature, heating)
                     limit = shape[j] * mu / strip.mu
                     yields = hardened(yields, sqrt(free_x * free_x + free_y * free_y), hardening, least, limit)
                     limit = min(limit, yields)
             before = limit
-            strip.temperature = max(strip.temperature, temperature + warming * OWN * heat[j])
+            strip.temperature = max(strip.temperature, temperature + warming * AT_CENTRE * heat[j])
             fx += qx
             fy += qy
             mz += x * qy

@@ -19,10 +19,10 @@ Vectors are (2, rows, columns) along x and s, scalars (rows, columns), x rising 
 from math import sqrt
 from typing import Any, NamedTuple
 
-from wrsim.jit import Array, kernel
+from wrsim.contact.creep.history import AT_CENTRE, RESIDUAL, friction_in_heat, heat_before
+from wrsim.jit import Array, Record, kernel
 
 OUTSIDE, ADHESION, SLIP, YIELD = 0.0, 1.0, 2.0, 3.0
-RESIDUAL = 0.1  # of a yield stress that falls (CONTACT); there YIELD ends
 
 
 class Equations(NamedTuple):
@@ -51,7 +51,7 @@ def evaluate(eq: Equations, q: Array, slip: Array, rhs: Array) -> float:
     leading end of the run times ``scale``, in slip or yield g n - q. Returns the largest error, as a traction."""
     rows, columns = eq.bound.shape
     worst = 0.0
-    least = RESIDUAL * eq.yield_stress
+    least = RESIDUAL * eq.yield_stress  # there YIELD ends
     for j in range(rows):
         sum_x = 0.0
         sum_s = 0.0
@@ -200,3 +200,27 @@ def _product(a: Array, b: Array) -> float:
     for i in range(a.size):
         total += a[i] * b[i]
     return total
+
+
+@kernel
+def heat_rows(
+    model: Record, speed: float, dx: float, forward: float, cold: Array, p: Array, q: Array, slip: Array, state: Array,
+    heat: Array, friction: Array, temperature: Array,
+) -> None:  # fmt: skip
+    """Coefficients of friction and temperatures [degC] (rows, columns) by the heat of rows of elements (creep-heat).
+    cold: coefficients before any heat; p, q [Pa], slip over the speed and state of a solution; heat: scratch of the
+    elements of one row (columns,). Where elements slide their traction is taken to be that of the new coefficient."""
+    rows, columns = p.shape
+    warming = model.warming * sqrt(speed / dx)
+    for j in range(rows):
+        for m in range(columns):
+            i = columns - 1 - m if forward > 0.0 else m
+            before = heat_before(heat, m)
+            way = dx * sqrt(slip[0, j, i] * slip[0, j, i] + slip[1, j, i] * slip[1, j, i])
+            slides = p[j, i] * way if state[j, i] == SLIP else 0.0
+            heating = warming * AT_CENTRE * slides
+            friction[j, i] = friction_in_heat(cold[j, i], model, model.bulk + warming * before, heating)
+            heat[m] = friction[j, i] * slides
+            if state[j, i] == YIELD:
+                heat[m] = sqrt(q[0, j, i] * q[0, j, i] + q[1, j, i] * q[1, j, i]) * way
+            temperature[j, i] = model.bulk + warming * (before + AT_CENTRE * heat[m])

@@ -10,11 +10,11 @@ from math import ceil, floor, log2
 import numpy as np
 
 from wrsim.contact import status as status_of
-from wrsim.contact.creep.history import heat_rows
 from wrsim.contact.half_space.influence import Compliance, Operator
 from wrsim.contact.half_space.normal import Pressure, solve_normal
 from wrsim.contact.half_space.patch import HalfSpaceContact, Patch
 from wrsim.contact.half_space.rolling import Traction, solve_rolling
+from wrsim.contact.half_space.rolling_kernel import heat_rows
 from wrsim.contact.half_space.surface import Grid
 from wrsim.contact.half_space.zones import Footprint, find_footprints
 from wrsim.contact.model import LEAST_SPEED, ContactModel
@@ -77,7 +77,7 @@ class HalfSpace(HalfSpaceSettings):
             speed = np.hypot(grid.bodies.pose.velocity.x, LEAST_SPEED)
             cold = law.coefficient(grid.normal[:, None, :], speed * np.hypot(*rigid))
             first = start.q if start is not None else None
-            layer, friction, heat = model.settings.layer or Layer(), cold, np.empty(cold.shape)
+            layer, friction, heat = model.settings.layer or Layer(), cold, np.empty(cold.shape[1])
             for _ in range(ALTERNATIONS):
                 pressure, traction, converged = self._roll(pressed, damping * friction, rigid, forward, first, layer)
                 if model.settings.temperature is None:

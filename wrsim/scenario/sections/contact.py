@@ -309,7 +309,7 @@ class ContactSection(Section, header="[contact]"):
         layer = self.layer.to_si(Layer) if self.layer else None
         heating = self.temperature.to_si(Heating) if self.temperature else None
         if message := unsuited(law, self.flexibility, layer, heating):
-            yield Fault("layer" if "layer" in message else "temperature", message)
+            yield Fault("layer" if unsuited(law, self.flexibility, layer, None) else "temperature", message)
         for side in SIDES:
             for (_, before), (i, section) in pairwise(on_side(self.friction_sections, side)):
                 end = before.from_m + before.transition_m

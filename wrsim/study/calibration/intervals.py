@@ -9,6 +9,7 @@ from scipy.special import stdtrit
 
 from wrsim.results.moments import Array
 from wrsim.study.calibration.fit import TOLERANCE, Fit
+from wrsim.study.calibration.reading import Target
 
 NARROWER = 0.7
 """Part of the interval of the prior, or of the bounds, below which an interval is narrower: below 1 / sqrt 2 the
@@ -38,7 +39,7 @@ class Interval:
 class Knowledge:
     """Intervals of all keys; correlation (keys, keys); directions that the channels tell less than the priors, or than
     a quarter of the bounds, each as names with their shares; groups of keys that are told together; chi2 over the
-    degrees of freedom."""
+    degrees of freedom; uneven: see `Fit.uneven`."""
 
     intervals: tuple[Interval, ...]
     correlation: Array
@@ -46,6 +47,7 @@ class Knowledge:
     groups: tuple[tuple[str, ...], ...]
     misfit: float
     freedom: float
+    uneven: tuple[tuple[int, Target], ...]
 
 
 def knowledge(fit: Fit) -> Knowledge:
@@ -69,7 +71,8 @@ def knowledge(fit: Fit) -> Knowledge:
     _, sizes, axes = np.linalg.svd(data, full_matrices=False)
     weak = tuple(_direction(axis, names) for size, axis in zip(sizes, axes, strict=True) if size < 1.0)
     intervals = tuple(_interval(fit, i, ends[i], float(deviation[i]), quantile) for i in range(u.size))
-    return Knowledge(intervals, correlation, weak, _groups(correlation, names), misfit, freedom)
+    groups, uneven = _groups(correlation, names), tuple(fit.uneven(u))
+    return Knowledge(intervals, correlation, weak, groups, misfit, freedom, uneven)
 
 
 def _interval(fit: Fit, i: int, ends: Array, deviation: float, quantile: float) -> Interval:

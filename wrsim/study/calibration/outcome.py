@@ -95,7 +95,7 @@ class Calibrated:
         for direction in known.directions:
             shares = " ".join(f"{share:+.2f} {name}" for name, share in direction.items())
             notes.append(f"the channels tell less than was known before, in standard deviations of that, of: {shares}")
-        for i, target in fit.uneven(fit.optimum):
+        for i, target in known.uneven:
             notes.append(
                 f"{target.label} jumps or bends over {varied[i].name} near its value: interval and value rest on "
                 "derivatives that do not hold; leave it out, or give it more noise"

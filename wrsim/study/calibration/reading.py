@@ -181,12 +181,14 @@ def read_calibration(file: Path, folder: Path, models: Sequence[str | Path]) -> 
             if each.file is None or not sections:
                 continue
             records[each.name] = record_beside(opened, i, each.name, each, sections, bases[each.name])
+        begins: dict[str, Result] = {}
         for row, value in enumerate(spec.value):
-            base = bases[value.scenario or (names[0] if names else ONLY)]
+            name = value.scenario or (names[0] if names else ONLY)
+            base = bases[name]
             if value.frequencies_Hz and base.analysis != "stability":
                 with opened.naming("value", row, "frequencies_Hz"):
                     raise InputError(f'its scenario has analysis = "{base.analysis}"; must be "stability"')
             if value.summary and ANALYSES[base.analysis].moves:
                 with opened.naming("value", row, "summary"):
-                    check_place(begun(base), value.summary)
+                    check_place(begins.get(name) or begins.setdefault(name, begun(base)), value.summary)
     return Calibration(opened, candidates, records, tuple(seen))

@@ -345,7 +345,7 @@ def _probe(candidates: Candidates, scenario: OneScenario, sought: Sequence[Sough
     those of the whole, or the case itself where it takes seconds. Raises InputError."""
     values = candidates.values(candidates.start)
     moves = ANALYSES[scenario.base.analysis].moves
-    early = [each for each in sought if not moves or each[2].channel or each[2].summary]
+    early = [(key, i, one) for key, i, one in sought if not moves or one.channel or one.summary]
     if not early or not missing(candidates.plan(scenario, [values])[0]):
         return
     start = scenario.base.with_values(candidates.changes(values))
