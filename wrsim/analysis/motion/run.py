@@ -187,7 +187,8 @@ def holding_stepper(scenario: Scenario, step: float | None = None) -> Stepper:
             return stepper(scenario, step)
     raise SimulationError(
         f"{scenario.title}: no step down to {1e3 * BENCH_STEP / 2**HALVINGS:g} ms holds with {BENCH_ITERATIONS}"
-        f" iterations: more than {HELD:.0%} of the weight is left without balance in more than {1.0 - HELD_SHARE:.0%} of the steps"
+        f" iterations: more than {HELD:.0%} of the weight is left without balance"
+        f" in more than {1.0 - HELD_SHARE:.0%} of the steps"
     )
 
 
