@@ -23,8 +23,8 @@ from wrsim.contact.models import contact_model as model_of
 from wrsim.contact.profiles.points import ProfilePoints, interpolated
 from wrsim.contact.profiles.sections import ProfileArc, ProfileLine, circle, profile_from_sections
 from wrsim.contact.surfaces.rail import unfold
-from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface, read_sections
-from wrsim.contact.surfaces.rolled_rail import rolled_rail
+from wrsim.contact.surfaces.rail_surface import DEEP, RailSection, RailSurface, read_sections
+from wrsim.contact.surfaces.rolled_rail import effective_sections, rolled_rail
 from wrsim.simulation.pose_solver import PoseSolver
 from wrsim.track.crossing import read_crossing
 
@@ -70,6 +70,25 @@ def test_the_felt_section_is_the_upper_envelope_of_what_is_ahead_and_behind(name
     rows = felt.section(s)
     rows = rows[rows[:, 1] > -5e-3]
     assert np.interp(u, rows[:, 0], rows[:, 1]) == pytest.approx(highest, abs=1e-5)
+
+
+def test_rows_that_are_left_out_lie_too_deep_for_a_wheel() -> None:
+    """The bound of their heights holds between sections, and the effective section is that of all rows."""
+    surface = shipped_crossing(0.1)
+    left_out = 0
+    for piece in surface.pieces:
+        for places, tops in zip(pairwise(piece.spline.x), piece.tops, strict=True):
+            assert (piece.spline(np.linspace(*places, 9))[:, :, 1].max(axis=0) < tops + 1e-12).all()
+    felt = effective_sections(surface, 0.1, RADIUS)
+    for piece in surface.pieces:
+        left_out += int((piece.tops.max(axis=0) < -DEEP).sum())
+        vars(piece)["tops"] = np.full_like(piece.tops, np.inf)
+    whole = effective_sections(surface, 0.1, RADIUS)
+    assert left_out > 100
+    for one, other in zip(felt, whole, strict=True):
+        assert all(map(np.array_equal, one, other))
+    for piece in surface.pieces:
+        del vars(piece)["tops"]
 
 
 @pytest.mark.campaign

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from wrsim.contact.records import ProfileTable, Rail, Share
 from wrsim.contact.surfaces.profile_table import ProfilePoint, between, profile_point
-from wrsim.jit import Array, Bools, inlined, kernel
+from wrsim.jit import Array, Bools, Ints, inlined, kernel
 from wrsim.jit.root import interval
 
 STEEPEST = 3.0  # slope across up to which a yawed wheel's shift is followed
@@ -293,19 +293,18 @@ def _next(knots: Array, s: float, i: int, step: float) -> float:
 
 @kernel
 def envelope_rows(
-    c: Array, knots: Array, ends: Array, s: float, radius: float, reach: float, heading: Heading, out: Array
+    c: Array, knots: Array, ends: Array, s: float, radius: float, reach: float, heading: Heading, rows: Ints, out: Array
 ) -> None:
     """The effective profile of a piece at s in axes turned by a heading, one row of ``out`` (n, 8) for each of its
-    rows: u, w, tu, tw, how far ahead it is touched, slope and curvature along the axes, along its normal; whether it
-    was found within reach.
+    rows from the first to before the last of ``rows`` (2,): u, w, tu, tw, how far ahead it is touched, slope and
+    curvature along the axes, along its normal; whether it was found within reach.
 
     A row slips past: along the track, across to nothing, its section's own curvature counts, too.
 
     c, knots: of the cubics (4, m, n, 4), (m + 1,); ends: (2,), above 0 where the piece falls off.
     """
-    n = c.shape[2]
     step = 2.0 * reach / (PLACES - 1)
-    for row in range(n):
+    for row in range(rows[0], rows[1]):
         i = interval(knots, s, 0)
         axle = _lowered_row(c, knots, ends, row, s, 0.0, radius, i, heading)
         best, low, high, within_reach = -inf, 0.0, 0.0, 0.0

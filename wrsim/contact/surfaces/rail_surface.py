@@ -234,6 +234,15 @@ class Piece:
     open_ends: tuple[bool, bool]
     anchor: int
 
+    @cached_property
+    def tops(self) -> Array:
+        """Height above which a row does not come between two sections, (sections - 1, n) [m]: the highest of the four
+        control points of its cubic (Bernstein's form)."""
+        c, h = self.spline.c[:, :, :, 1], np.diff(self.spline.x)[:, None]
+        cubic, square, slope = c[0] * h**3, c[1] * h**2, c[2] * h
+        inner = c[3] + slope / 3.0, c[3] + (2.0 * slope + square) / 3.0
+        return np.asarray(np.max((c[3], *inner, c[3] + slope + square + cubic), axis=0))
+
 
 def _anchor(counts: NDArray[np.int64], heights: Array) -> int:
     """The row with a fixed arclength along s: the highest inner feature (or the middle) if wheels come there, else the

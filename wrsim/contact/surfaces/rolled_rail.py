@@ -31,6 +31,7 @@ SLOPE_TOLERANCE = 3e-5  # of how they rise along the track, and of the slope in 
 ROWS = 0.2e-3  # distance of the rows of a table [m]
 CLOSEST = 1e-3  # least distance of stations [m]
 FIELD_APART = 0.5e-3  # sections farther from each other have distance fields of their own [m]
+ROUND_OFF = 1e-9  # of heights, at the most [m]
 NOWHERE = 0.1  # how deep rows lie of a piece that does not exist [m]
 COLUMNS = ("u", "w", "tu", "tw", "k", "ahead", "slope", "bend")
 """Columns of a table, in the rail's own axes (`RailSurface.heading`): point [m], tangent, curvature [1/m]; how far
@@ -89,7 +90,7 @@ def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> Roll
     ends = (surface.start - REACH, surface.end + REACH)
     s = np.unique(np.concatenate((ends, [section.distance for section in surface.sections])))
     s = s[np.append(True, np.diff(s) > CLOSEST)]
-    effective = {float(x): _effective(surface, float(x), radius) for x in s}
+    effective = {float(x): effective_sections(surface, float(x), radius) for x in s}
     arcs = []
     for curves in zip(*effective.values(), strict=True):
         ends_of = [(arc[0], arc[-1]) for arc, _ in curves if arc.size]
@@ -103,9 +104,11 @@ def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> Roll
         now = _joined(surface, known, step)
         again = []
         for low, high in unsure:
+            if high - low < 2.0 * CLOSEST:
+                continue
             middle = 0.5 * (low + high)
-            table = _table(_effective(surface, middle, radius), arcs)
-            if high - low < 2.0 * CLOSEST or _is_good(now, middle, table):
+            table = _table(effective_sections(surface, middle, radius), arcs)
+            if _is_good(now, middle, table):
                 continue
             known[middle] = table
             again += [(low, middle), (middle, high)]
@@ -159,16 +162,30 @@ _Curve = tuple[Array, Array]
 deep nor fold back; empty where the piece does not exist."""
 
 
-def _effective(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
+def effective_sections(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
     """The effective sections of all pieces at s."""
-    envelopes = []
     sine = float(surface.heading(s)[0])
     heading = Heading(sine, sqrt(1.0 - sine**2))
+
+    def envelope(piece: Piece, first: int, last: int) -> Array:
+        rows = np.full((piece.spline.c.shape[2], 8), -np.inf)
+        ends, between = np.array(piece.open_ends, dtype=float), np.array((first, last))
+        envelope_rows(piece.spline.c, piece.spline.x, ends, s, radius, REACH, heading, between, rows)
+        return rows
+
+    section, starts = surface.rows(np.array([s]))
+    top = int(section[0, :, 1].argmax())
+    highest = int(np.searchsorted(starts, top, side="right")) - 1
+    row = top - int(starts[highest])
+    # no row of the envelope is above the tops of its cubics within reach, and the highest is not below any one
+    floor = float(envelope(surface.pieces[highest], row, row + 1)[row, 1]) - DEEP - ROUND_OFF
+    envelopes = []
     for piece in surface.pieces:
-        rows = np.zeros((piece.spline.c.shape[2], 8))
-        ends = np.array(piece.open_ends, dtype=float)
-        envelope_rows(piece.spline.c, piece.spline.x, ends, s, radius, REACH, heading, rows)
-        envelopes.append(rows)
+        before, behind = np.searchsorted(piece.spline.x[1:-1], (s - REACH, s + REACH))
+        near = np.flatnonzero(piece.tops[before : behind + 1].max(axis=0) > floor)
+        # `unfold` looks at the neighbours of what it keeps
+        first, last = (near[0] - 1, near[-1] + 2) if near.size else (0, 0)
+        envelopes.append(envelope(piece, max(first, 0), min(last, piece.tops.shape[1])))
     lowest = max(float(rows[:, 1].max()) for rows in envelopes) - DEEP
     if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 7] == 0.0)).any() for rows in envelopes):
         far = f"a wheel of radius {1e3 * radius:g} mm would touch it more than {1e3 * REACH:g} mm from its axle"
