@@ -14,7 +14,7 @@ from support.runs import STEERING, setup_of, straight
 from support.scripts import ROOT, script
 
 from wrsim import InputError, load, run
-from wrsim.analysis.motion import result as results
+from wrsim.analysis.motion import samples
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.report.output_folder import read
 
@@ -127,7 +127,7 @@ def test_crafted_files_get_one_line_or_numbers_from_commands(tmp_path: Path, run
 def test_a_result_does_not_depend_on_how_many_samples_are_evaluated_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     setup = setup_of([straight(4.0)], 20.0, STEERING)
     whole = run_in_time(setup).dataset
-    monkeypatch.setattr(results, "BLOCK", 7)
+    monkeypatch.setattr(samples, "BLOCK", 7)
     assert run_in_time(setup).dataset.identical(whole)
 
 

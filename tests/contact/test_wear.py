@@ -21,10 +21,17 @@ from wrsim.contact.wear.laws import (
     wear_coefficient,
 )
 from wrsim.contact.wear.losses import Losses, _foot, ways
+from wrsim.jit import Array, Records
 
 PAIR = "S1002/60E1 1:40"
 LAWS: tuple[LawName, ...] = ("usfd", "archard", "brr")
 WAY = 3.0
+
+
+def solved(wheel: WheelOnRail) -> tuple[Records, Records, Array, int]:
+    """What the model of a wheel computed last."""
+    a = wheel.model.arrays
+    return a.patches, a.strips, a.pose, int(a.total.lobes)
 
 
 def losses(yaw_mrad: float, *, lateral_mm: float = 0.0, step: float = 0.25e-3, **choices) -> tuple[Losses, float]:
@@ -34,7 +41,7 @@ def losses(yaw_mrad: float, *, lateral_mm: float = 0.0, step: float = 0.25e-3, *
     _, contact = settle(stand, 1e-3 * lateral_mm, 1e-3 * yaw_mrad, 80e3)
     idle = WheelOnRail(pair_model(PAIR, **choices), -1, 0.75, stand.wheels[0].rail_origin)
     found = Losses(WearSettings(LAWS, step=step), [(stand.wheels[0], idle)], [np.array([WAY])])
-    found.store(0, 0)
+    found.store(0, 0, [solved(stand.wheels[0]), solved(idle)])
     return found, contact.wear_number
 
 
@@ -132,7 +139,7 @@ def test_a_right_wheel_of_another_wheelset_loses_what_its_mirror_image_does() ->
     settle(stand, 0.0, -20e-3, 80e3)
     (right,), (idle,) = stand.wheels, still.wheels
     found = Losses(WearSettings(LAWS), [(idle, idle), (idle, right)], [np.array([WAY])] * 2)
-    found.store(1, 0)
+    found.store(1, 0, [solved(idle), solved(right)])
     lost = found.channels()["wear_wheel_mass"].sum(axis=-1)
     np.testing.assert_allclose(lost[:, 1, 1], mass(losses(20.0)[0]), rtol=1e-6)
     assert (np.delete(lost.reshape(3, 4), 3, axis=1) == 0.0).all()

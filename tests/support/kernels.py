@@ -48,11 +48,12 @@ from wrsim.contact.wheel_rail import STAGES, compile_stages, place_bodies
 from wrsim.contact.workspace import pack
 from wrsim.jit.cache import PACKAGE, sources
 from wrsim.jit.objects import this_target
-from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
+from wrsim.simulation.bodies import accelerations, inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.force_law import Array, force_derivative
 from wrsim.simulation.implicit_step import ImplicitStep
 from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.placement import design_state, poses_on_track
+from wrsim.simulation.sampled_forces import SampledForces
 from wrsim.simulation.steady_state import SteadyMotion
 from wrsim.simulation.stepper import Stepper
 from wrsim.track.bridge import Bridge
@@ -277,6 +278,12 @@ def vehicle_cases() -> dict[str, list[float]]:
     found["friction"] = list(rubbed)
     found["friction settled"] = list(rubbing.relaxed_rates(rubs, rubs_t))
     found["inertia"] = [*mass_matrix(law.bodies, q).ravel(), *velocity_forces(law.bodies, q, q_t)]
+    found["accelerations"] = list(accelerations(law.bodies, q[None], q_t[None], out[None]).ravel())
+    sampled = SampledForces(law, 1, False)
+    sampled.evaluate(
+        0, np.array([0.01]), q[None], q_t[None], law.places(np.array([[50.0 + m.x for m in vehicle.wheelsets]]))
+    )
+    found["sampled forces"] = [*sampled.forces[0], *sampled.of("total 0", 1)["Fb"][0]]
     kinetic_energies(q[None], q_t[None], inertia_table(law.bodies), len(vehicle.wheelsets), energy := np.zeros(1))
     found["kinetic energy"] = list(energy)
     found["finite"] = [float(first_not_finite(q, q_t))]

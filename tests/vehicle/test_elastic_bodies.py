@@ -136,7 +136,7 @@ def test_an_accelerometer_feels_the_modes() -> None:
     k = 120
     seen = np.gradient(np.gradient(height, motion.times), motion.times)[k]
     law(motion.times[k], motion.q[k], motion.q_t[k], out := np.zeros(law.size))
-    found = point_accelerations(law, motion.q[k], motion.q_t[k], out, law.vehicle.points)[0, 2]
+    found = point_accelerations(law, motion.q[k : k + 1], motion.q_t[k : k + 1], out[None], law.vehicle.points)[0, 0, 2]
     assert abs(found) > 1.0
     assert found == pytest.approx(seen, rel=0.02)
 

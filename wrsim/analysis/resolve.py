@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.contacts import force_law, wheels_on_rails
 from wrsim.analysis.motion.derailment import contact_words, wheels_of
-from wrsim.analysis.motion.result import RAIL_CHANNELS, stack_wheelsets
+from wrsim.analysis.motion.samples import RAIL_CHANNELS, stack_wheelsets
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact import channels
 from wrsim.contact.channels import POSE_CHANNELS, ElementField, StripRecorder, WheelOnRail

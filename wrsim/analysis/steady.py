@@ -14,7 +14,7 @@ import numpy as np
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import check_upright, contact_words, resultant, wheels_of
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
-from wrsim.analysis.motion.result import stack_wheelsets
+from wrsim.analysis.motion.samples import stack_wheelsets
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import contact_channels, remarks_channel

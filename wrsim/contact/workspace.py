@@ -29,6 +29,16 @@ class Workspace:
         """``count`` of the arrays as a workspace of their own, in the same buffer."""
         return Workspace(self.buffer, self.index[first : first + count], self.views[first : first + count])
 
+    def places(self, view: NDArray[Any]) -> NDArray[np.int64]:
+        """Places in the buffer, in a row, of all numbers of a view on it."""
+        begin = view.__array_interface__["data"][0] - self.buffer.__array_interface__["data"][0]
+        places = np.array(begin // 8)
+        for count, stride in zip(view.shape, view.strides, strict=True):
+            places = np.add.outer(places, np.arange(count) * (stride // 8))
+        if view.dtype.itemsize > 8:
+            places = np.add.outer(places, np.arange(view.dtype.itemsize // 8))
+        return places.ravel()
+
     def mutable_slices(self, left_out: Container[int]) -> list[Array]:
         """Views on the slices of the buffer that hold all arrays but those with these numbers."""
         slices: list[list[int]] = []

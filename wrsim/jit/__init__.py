@@ -16,9 +16,10 @@ from wrsim.jit.arena import (
     records,
     vector,
 )
-from wrsim.jit.compiling import inlined, kernel, noalias_kernel, parallel, prange, reassociating_kernel
+from wrsim.jit.compiling import inlined, kernel, noalias_kernel, parallel, prange, reassociating_kernel, released
 
 __all__ = [
     "Array", "Bools", "Ints", "Record", "Records", "block", "noalias_kernel", "inlined", "kernel", "matrix", "parallel",
-    "prange", "record", "record_rows", "records", "reassociating_kernel", "vector",
+    "prange", "record", "record_rows", "records", "reassociating_kernel", "released",
+    "vector",
 ]  # fmt: skip

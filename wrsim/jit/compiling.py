@@ -221,6 +221,9 @@ kernel = _declared()
 inlined = _declared(forceinline=True)
 reassociating_kernel = _declared(fastmath={"reassoc", "nsz"})
 noalias_kernel = _declared(noalias=True)
+released = _declared(nogil=True)
+"""A kernel that runs while other threads of Python do."""
+
 parallel = _declared(plain=True, parallel=True)
 """A kernel that Python or a stage calls, whose ``prange`` loops run on the threads of `use_threads`."""
 

@@ -107,7 +107,7 @@ class _Scratch(xr.backends.NetCDF4DataStore):
 
 
 class Channels:
-    """Channels of n samples of a run, filled block by block; many are in a file of ``folder``, if there is one."""
+    """Channels of up to n samples of a run, filled block by block; many are in a file of ``folder``, if any."""
 
     def __init__(self, n: int, folder: Path | None) -> None:
         self.n, self.folder = n, folder
@@ -142,11 +142,11 @@ class Channels:
             target.setncatts(CHANNELS[name].attributes)
             target.set_auto_maskandscale(False)
 
-    def filled(self) -> dict[str, Any]:
-        """All channels: arrays, or variables of a file whose name is gone, so that it goes with this process; on
-        Windows with the last variable."""
+    def filled(self, n: int) -> dict[str, Any]:
+        """Channels of the first n samples: arrays, or variables of a file whose name is gone, so that it goes with this
+        process; on Windows with the last variable."""
         if self._file is None:
-            return self._arrays
+            return {name: array[:n] for name, array in self._arrays.items()}
         import netCDF4
 
         self._removal.detach()
@@ -157,7 +157,7 @@ class Channels:
         if sys.platform != "win32":
             self._scratch.unlink()
         opened = xr.open_dataset(store, decode_cf=False, cache=False)
-        return {str(name): variable for name, variable in opened.variables.items()}
+        return {str(name): variable[:n] for name, variable in opened.variables.items()}
 
 
 def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:

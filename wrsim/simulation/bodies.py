@@ -54,12 +54,12 @@ def inertia_table(bodies: Sequence[Solid]) -> NDArray[np.record]:
 
 
 def accelerations(bodies: Sequence[Solid], q: Array, q_t: Array, forces: Array) -> Array:
-    """Accelerations of the coordinates of all bodies (bodies, 6) under generalised forces, body by body."""
-    blocks = np.zeros((len(bodies), 6, 6))
-    for i, body in enumerate(bodies):
-        kernel.mass_block(q[6 * i : 6 * i + 6], body.mass, *body.inertia, blocks[i])
-    left = (forces - velocity_forces(bodies, q, q_t))[: 6 * len(bodies)].reshape(-1, 6, 1)
-    return np.asarray(np.linalg.solve(blocks, left)[:, :, 0], dtype=np.float64)
+    """Accelerations of the coordinates of all bodies (n, bodies, 6) at states (n, size) under generalised forces, body
+    by body."""
+    blocks, quadratic = np.zeros((len(q), len(bodies), 6, 6)), np.zeros((len(q), len(bodies), 6))
+    kernel.equations_of_motion(q, q_t, inertia_table(bodies), blocks, quadratic)
+    left = forces[:, : 6 * len(bodies)].reshape(quadratic.shape) - quadratic
+    return np.asarray(np.linalg.solve(blocks, left[..., None])[..., 0], dtype=np.float64)
 
 
 def velocity_forces(bodies: Sequence[Solid], q: Array, q_t: Array) -> Array:

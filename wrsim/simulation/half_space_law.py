@@ -21,6 +21,7 @@ class HalfSpaceOnTrack(VehicleOnTrack):
     ``contacts``: the last solutions, a list of the two wheels for every wheelset.
     """
 
+    compiled = False
     contacts: Sequence[list[HalfSpaceContact]] = ()
 
     def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:

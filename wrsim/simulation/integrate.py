@@ -216,6 +216,11 @@ class Integration:
             self._integrate(begin)
         return _motion(recorder.rows(), self.step, self._ending, self.integrator, system.work)
 
+    @property
+    def sample_count(self) -> int:
+        """Samples of the whole run, with the start and the end."""
+        return 1 + -(-self._steps // self._every)
+
     def _integrate(self, begin: Checkpoint) -> None:
         """Run from a checkpoint to the end, under warm starts of the law."""
         self._first, self._last = begin.step, begin.step

@@ -56,6 +56,9 @@ class VehicleOnTrack(Layout):
     ``distance`` that of the reference body along the centre line.
     """
 
+    compiled = True
+    """Whether the kernel gives all forces, so that `forces_in_turn` may take many states."""
+
     def __init__(
         self,
         vehicle: Vehicle,
@@ -106,6 +109,8 @@ class VehicleOnTrack(Layout):
         records_of_wheels = [part.views[wheel_kernel.WHEEL_RECORD] for part in of_wheels]
         self._records_of_wheels = [records[0] for records in records_of_wheels]
         self._search_starts = [records["s"] for records in (self._units, self._loads, *records_of_wheels)]
+        self.seeds = np.concatenate([self.workspace.places(view) for view in self._search_starts])
+        """Places in the buffer of the distances at which searches on the track begin."""
         placed = [
             model.within(part.part(wheel_kernel.IN_CONTACT, wheel_kernel.ARRAYS_OF_A_CONTACT))
             for model, part in zip((model for pair in contacts for model in pair), of_wheels, strict=True)
@@ -249,21 +254,21 @@ class VehicleOnTrack(Layout):
         Needed ahead of a state far from the last one.
         """
         self._evaluated = np.nan
-        vehicle, rows = self.vehicle, self._near(origin)
-        distance = float(rows[0, 0]) - vehicle.wheelsets[0].x
-        if self._records_of_wheels:
-            for wheel, s in zip(self._records_of_wheels, rows[:, 1:].ravel(), strict=True):
-                wheel.s = s
-        for row, unit in zip(self._units, vehicle.units, strict=True):
-            row.s = distance + vehicle.parts[unit.reference].centre[0]
-        for load in self._loads:
-            load.s = distance + vehicle.parts[load.body].centre[0] + load.point.x
+        self.workspace.buffer[self.seeds] = self.search_starts(self._near(origin)[None])[0]
 
     def _near(self, origin: float | Array) -> Array:
         """The row of ``places`` for a place as ``set_search_start`` takes it."""
         if np.ndim(origin) == 0:
             return self.places(float(origin) + np.array([m.x for m in self.vehicle.wheelsets]))  # type: ignore[arg-type]
         return np.asarray(origin)
+
+    def search_starts(self, places: Array) -> Array:
+        """Where searches on the track begin (n, seeds), for ``places`` (n, wheelsets, 3)."""
+        parts, distance = self.vehicle.parts, places[:, 0, :1] - self.vehicle.wheelsets[0].x
+        units = np.array([parts[unit.reference].centre[0] for unit in self.vehicle.units])
+        loads = np.array([parts[load.body].centre[0] for load in self._loads])
+        wheels = places[:, :, 1:].reshape(len(places), -1)[:, : len(self._records_of_wheels)]
+        return np.hstack([distance + units, distance + loads + self._loads["point"]["x"], wheels])
 
     def follow(self, on: bool, tolerance: float = WARM_TOLERANCE) -> None:
         """See ``ForceLaw``: a warm start of every contact, or a cold one."""

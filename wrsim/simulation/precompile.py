@@ -10,7 +10,7 @@ from typing import Any
 from wrsim.contact.records import CONTACT, CREEP_FORCES, FREE_STRIPS
 from wrsim.contact.wheel_rail import compile_stages
 from wrsim.jit.stages import ARGUMENTS
-from wrsim.vehicle.dynamics import derivative, vehicle_forces, wheel_forces
+from wrsim.vehicle.dynamics import derivative, sampling, vehicle_forces, wheel_forces
 
 LARGE: tuple[tuple[Any, Any], ...] = (
     (wheel_forces.one_wheel, ARGUMENTS),
@@ -22,6 +22,11 @@ LARGE: tuple[tuple[Any, Any], ...] = (
         derivative.add_differences,
         "(float64, int64, boolean, int64[:, ::1], int64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[::1], "
         "int64[:, ::1])",
+    ),
+    (
+        sampling.forces_in_turn,
+        "(float64[::1], float64[:, ::1], float64[:, ::1], int64[::1], float64[:, ::1], int64[::1], float64[:, ::1], "
+        "float64[:, ::1], float64[::1], int64[:, ::1])",
     ),
 )
 """The large ones of the kernels that any run along the track calls, and the types of their arguments."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass
 from os import W_OK, access
@@ -92,12 +92,13 @@ class Recorder:
     """Samples, rows (time, q, q_t), in memory; or in a file with checkpoints, see the module.
 
     checkpoint: where to continue, None at the beginning of a run; last: the last one, whether the run continues from it
-    or not; ending: of a run that is over.
+    or not; ending: of a run that is over; listener: called with every sample.
     """
 
     checkpoint: Checkpoint | None = None
     last: Checkpoint | None = None
     ending: Ending | None = None
+    listener: Callable[[float, Array, Array], None] | None = None
 
     def __init__(self, size: int, file: RunFile | None = None) -> None:
         """size: number of coordinates."""
@@ -147,6 +148,8 @@ class Recorder:
         row[1 : 1 + self.size] = q
         row[1 + self.size :] = q_t
         self._used += 1
+        if self.listener is not None:
+            self.listener(t, q, q_t)
 
     def due(self) -> bool:
         """Whether it is time to ``flush`` with a checkpoint."""

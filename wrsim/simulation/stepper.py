@@ -65,7 +65,7 @@ class Stepper:
         law(0.0, q, q_t, rows[kernel.FORCES])
         count = len(law.bodies)
         q_tt = rows[kernel.FORCES].copy()
-        q_tt[: 6 * count] = accelerations(law.bodies, q, q_t, rows[kernel.FORCES]).ravel()
+        q_tt[: 6 * count] = accelerations(law.bodies, q[None], q_t[None], rows[kernel.FORCES][None]).ravel()
         rows[[kernel.Q_TT, kernel.A]] = q_tt
         matrix = mass_matrix(law.bodies, q) - force_derivative(law, q, q_t, count, 0.0, *by)
         views[kernel.INVERSE][:] = np.linalg.inv(matrix)

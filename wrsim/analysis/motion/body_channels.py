@@ -10,13 +10,12 @@ from wrsim.simulation.bodies import accelerations, inertia_table
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
+from wrsim.simulation.sampled_forces import SampledForces
 from wrsim.simulation.system import COORDINATES, Array
 from wrsim.track import path_kernel as path_kernels
 from wrsim.track.track import Track
 from wrsim.vehicle.axle import AxleModes
-from wrsim.vehicle.dynamics import vehicle_forces
-from wrsim.vehicle.dynamics.kinematics import kinematics
-from wrsim.vehicle.dynamics.rigid_body import kinetic_energies, pitched
+from wrsim.vehicle.dynamics.rigid_body import kinetic_energies
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.vehicle import MeasuringPoint, Vehicle
 
@@ -39,10 +38,9 @@ def body_channels(law: VehicleOnTrack, q: Array, q_t: Array, near: Array) -> dic
         channels["body_vertical"][:, b] = poses.height - body.centre[2]
         channels["body_yaw"][:, b] = poses.yaw
         channels["body_roll"][:, b] = poses.roll
-        for i in range(n):
-            forward = pitched(kinematics(q[i, coordinates], q_t[i, coordinates]), q[i, coordinates][5]).forward
-            up = path_kernels.frame_at(path.curve, poses.distance[i]).b
-            channels["body_pitch"][i, b] = -np.arcsin(np.clip(np.dot(forward, up), -1.0, 1.0))
+        forward = body_axes(q[:, coordinates])[:, 0]
+        up = np.array([path_kernels.frame_at(path.curve, s).b for s in poses.distance.tolist()])
+        channels["body_pitch"][:, b] = -np.arcsin(np.clip(_along(forward, up), -1.0, 1.0))
     return channels
 
 
@@ -55,51 +53,60 @@ def wheel_seats(vehicle: Vehicle) -> list[MeasuringPoint]:
     return seats
 
 
+def body_axes(q: Array) -> Array:
+    """Axes of a body in states (samples, 6) of it: (samples, 3, 3), forward, left and up in the rows
+    (``dynamics.rigid_body``)."""
+    (sh, sr, sp), (ch, cr, cp) = np.sin(q[:, 3:6].T), np.cos(q[:, 3:6].T)
+    level, left = np.array([ch, sh, 0.0 * sh]), np.array([-sh * cr, ch * cr, sr])
+    up = np.array([sh * sr, -ch * sr, cr])
+    return np.moveaxis(np.array([cp * level - sp * up, left, sp * level + cp * up]), -1, 0)
+
+
 def point_accelerations(
     law: VehicleOnTrack, q: Array, q_t: Array, forces: Array, points: Sequence[MeasuringPoint]
 ) -> Array:
-    """Accelerations (points, 3) of points of the vehicle along their bodies' axes [m/s2] under the generalised forces.
+    """Accelerations (samples, points, 3) of points of the vehicle along their bodies' axes [m/s2] at states under
+    generalised forces (samples, size).
 
     They contain gravity as an accelerometer fixed to the body does, less its share at rest on level track: zero there;
     on canted track the lateral one shows the plane's component of gravity against the centrifugal acceleration.
     """
-    vehicle = law.vehicle
-    names, parts, q_tt = vehicle.names, vehicle.parts, accelerations(law.bodies, q, q_t, forces).ravel()
-    values, moving = np.zeros((len(points), 3)), dict[int, tuple[Array, Array, Array]]()
+    vehicle, names = law.vehicle, law.vehicle.names
+    q_tt = accelerations(law.bodies, q, q_t, forces)
+    values, moving = np.zeros((len(q), len(points), 3)), dict[int, tuple[Array, Array, Array]]()
     for j, point in enumerate(points):
         i = names.index(point.body)
-        arm = np.array(point.at) - np.array(parts[i].centre)
+        arm = np.array(point.at) - np.array(vehicle.parts[i].centre)
         if i not in moving:
-            coordinates, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt))
+            coordinates, rates, changes = q[:, 6 * i : 6 * i + 6], q_t[:, 6 * i : 6 * i + 6], q_tt[:, i]
             if i < len(vehicle.wheelsets):  # an axle box does not spin
-                coordinates[5] = rates[5] = changes[5] = 0.0
-            state = pitched(kinematics(coordinates, rates), coordinates[5])
-            axes = np.array([state.forward, state.left, state.up])
-            acceleration = axes @ (np.array([changes[1], changes[2], changes[0] + vehicle.gravity]))
-            moving[i] = acceleration, axes @ state.omega, _angular_acceleration(coordinates, rates, changes)
-        acceleration, omega, alpha = moving[i]
-        values[j] = acceleration + _cross(alpha, arm) + _cross(omega, _cross(omega, arm))
+                coordinates, rates, changes = (
+                    state * (1.0, 1.0, 1.0, 1.0, 1.0, 0.0) for state in (coordinates, rates, changes)
+                )
+            acceleration = changes[:, [1, 2, 0]] + (0.0, 0.0, vehicle.gravity)
+            along = np.einsum("nij,nj->ni", body_axes(coordinates), acceleration)
+            moving[i] = along, *_turning(coordinates, rates, changes)
+        along, omega, alpha = moving[i]
+        values[:, j] = along + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
         if len(modes := law.modes_of(i)):
-            values[j] += forces[modes] @ law.attachments.modes[i].shapes(np.array([point.at]))[:, 0, :3]
-        values[j, 2] -= vehicle.gravity
+            values[:, j] += forces[:, modes] @ law.attachments.modes[i].shapes(np.array([point.at]))[:, 0, :3]
+    values[:, :, 2] -= vehicle.gravity
     return values
 
 
-def _cross(a: Array, b: Array) -> Array:
-    """The same as numpy's, to the bit, in a tenth of its time."""
-    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
-    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
-
-
-def _angular_acceleration(q: Array, q_t: Array, q_tt: Array) -> Array:
-    """Rate of the angular velocity in body axes (3,) [rad/s2]: G theta_tt + G_t theta_t (``dynamics.rigid_body``)."""
-    sr, cr, sp, cp = np.sin(q[4]), np.cos(q[4]), np.sin(q[5]), np.cos(q[5])
-    h, r, p = q_t[3:6]
-    turning = np.array([[-cr * sp, cp, 0.0], [sr, 0.0, 1.0], [cr * cp, sp, 0.0]])
-    rate = np.array(
-        [h * (sr * sp * r - cr * cp * p) - r * sp * p, h * cr * r, -h * (sr * cp * r + cr * sp * p) + r * cp * p]
-    )
-    return np.asarray(turning @ q_tt[3:6] + rate)
+def _turning(q: Array, q_t: Array, q_tt: Array) -> tuple[Array, Array]:
+    """Angular velocity [rad/s] in body axes, G theta_t, and its rate, G theta_tt + G_t theta_t, each (samples, 3), of a
+    body in states (samples, 6) (``dynamics.rigid_body``)."""
+    (sr, sp), (cr, cp) = np.sin(q[:, 4:6].T), np.cos(q[:, 4:6].T)
+    h, r, p = q_t[:, 3:6].T
+    a, b, c = q_tt[:, 3:6].T
+    omega = [r * cp - h * cr * sp, h * sr + p, r * sp + h * cr * cp]
+    rate = [
+        b * cp - a * cr * sp + h * (sr * sp * r - cr * cp * p) - r * sp * p,
+        a * sr + c + h * cr * r,
+        b * sp + a * cr * cp - h * (sr * cp * r + cr * sp * p) + r * cp * p,
+    ]
+    return np.stack(omega, axis=1), np.stack(rate, axis=1)
 
 
 def twist_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
@@ -232,25 +239,23 @@ def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Arra
     return {"kinetic_energy": kinetic, "potential_energy": vehicle.gravity * q[:, Z:n:6] @ mass}
 
 
-def lost_at(law: VehicleOnTrack, q_t: Array) -> tuple[float, float, float]:
-    """At the state of the last evaluation of the law: power that creep takes, power that dampers and friction of the
-    suspension and of axles take, and power of the pull along the track [W]; q_t: of that state.
-    """
-    arrays = (wheel.model.arrays for pair in law.wheels for wheel in pair)
-    creep = sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays)
-    dampers = float(law.elements["loss"].sum() + law.axles["loss"].sum())
+def power_channels(law: VehicleOnTrack, q_t: Array, known: SampledForces, n: int) -> dict[str, Array]:
+    """Power that creep takes, power that dampers and friction of the suspension and of axles take, and power of the
+    pull along the track (samples,) [W], of the first n samples that are known; q_t: their rates."""
+    creep, pull = np.zeros(n), np.zeros(n)
+    for i in range(2 * len(law.wheels)):
+        creep += known.of(f"total {i}", n)["wear"][:, 0] * known.of(f"pose {i}", n)[:, 6]
+    dampers = known.of("loss", n).sum(axis=1) + known.of("axle", n)["loss"].sum(axis=1)
     for wheelset, twist in law.twists.items():
         torsion = law.vehicle.wheelsets[wheelset].wheelset.torsion
-        dampers += 0.0 if torsion is None else torsion.damping * q_t[twist] ** 2
+        dampers += 0.0 if torsion is None else torsion.damping * q_t[:, twist] ** 2
     for part, modes in law.attachments.modes.items():
         rates = 4.0 * np.pi * modes.frequencies * modes.damping * modes.masses
-        dampers += float(rates @ q_t[law.modes_of(part)] ** 2)
-    pull = 0.0
+        dampers += q_t[:, law.modes_of(part)] ** 2 @ rates
     if law.drive == "train":
-        forces = law.workspace.views[vehicle_forces.UNITS]["force"]
-        for force, unit in zip(forces, law.vehicle.units, strict=True):
-            pull += float(force * np.linalg.norm(q_t[6 * unit.reference : 6 * unit.reference + 3]))
-    return creep, dampers, pull
+        for force, unit in zip(known.of("unit", n)["force"].T, law.vehicle.units, strict=True):
+            pull += force * np.linalg.norm(q_t[:, 6 * unit.reference : 6 * unit.reference + 3], axis=1)
+    return {"creep_power": creep, "damper_power": dampers, "pull_power": pull}
 
 
 def coupling_channels(law: VehicleOnTrack, q: Array, records: Array) -> dict[str, Array]:
@@ -287,15 +292,13 @@ def coupling_channels(law: VehicleOnTrack, q: Array, records: Array) -> dict[str
 
 
 class _Moved:
-    """A body in sampled states: its axes, (samples, 3, 3), forward, left and up in the rows, and where it is."""
+    """A body in sampled states: its axes, see `body_axes`, and where it is."""
 
     def __init__(self, law: VehicleOnTrack, q: Array, name: str) -> None:
         i = law.vehicle.index(name)
         coordinates = q[:, 6 * i : 6 * i + 6]
-        bodies = [pitched(kinematics(row, np.zeros(6)), row[5]) for row in coordinates]
         self.centre = np.array(law.vehicle.parts[i].centre)
-        self.position = np.array([body.position for body in bodies])
-        self.axes = np.array([(body.forward, body.left, body.up) for body in bodies])
+        self.position, self.axes = coordinates[:, [1, 2, 0]], body_axes(coordinates)
 
     def point(self, place: tuple[float, float, float]) -> Array:
         """Where a point of the design position has moved to, (samples, 3)."""

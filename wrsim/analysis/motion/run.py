@@ -1,7 +1,7 @@
 """A run along the track: time integration at speed, from steady motion at the start."""
 
 import logging
-from contextlib import closing, nullcontext, suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 from math import ceil
 from pathlib import Path
@@ -13,6 +13,7 @@ from wrsim.analysis.motion.messages import NoSteadyMotion, start_words
 from wrsim.analysis.motion.monitor import STRIKE, Monitor
 from wrsim.analysis.motion.record import RunRecord
 from wrsim.analysis.motion.result import result_of
+from wrsim.analysis.motion.samples import Samples, worked_through
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.progress import Progress
 from wrsim.contact import wheel_rail
@@ -34,6 +35,7 @@ from wrsim.simulation import step_size as steps
 from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.precompile import compile_others
+from wrsim.simulation.recorder import Recorder
 from wrsim.simulation.stepper import Stepper, with_torques
 from wrsim.simulation.system import Array, BodySystem
 from wrsim.timing import timed
@@ -45,6 +47,7 @@ from wrsim.vehicle.dynamics import (
     implicit_step,
     kinematics,
     rigid_body,
+    sampling,
     vehicle_forces,
     watch,
     wheel_forces,
@@ -73,8 +76,8 @@ CALLED = (
     implicit_step.update, implicit_step.set_jacobian, implicit_step.end_step, watch.watch_step, watch.all_on_rails,
     kinematics.is_near, kinematics.first_not_finite, kinematics.place_on_track, kinematics.poses_along,
     rigid_body.follow_together, rigid_body.together_inertia, path_kernels.frame_at, path_kernels.frame_rates,
-    equations.block_of, locus.outline, wheel_forces.one_wheel, wheel_forces.in_turn, wheel_rail.wheel_rail,
-    wheel_rail.all_creep_forces,
+    sampling.forces_in_turn, equations.block_of, locus.outline, wheel_forces.one_wheel, wheel_forces.in_turn,
+    wheel_rail.wheel_rail, wheel_rail.all_creep_forces,
 )  # fmt: skip
 """Kernels that Python calls in an implicit run along the track, and stages, without the normal model."""
 
@@ -114,7 +117,11 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
         )
 
     monitor, plan = Monitor(law, setup.plan.speeds[1], system.work), setup.plan
-    with nullcontext() if record is None else closing(record.recorder(plan.integrator, step, system.size)) as recorder:
+    folder = None if record is None else record.path.parent
+    samples: Samples | None = None
+    with closing(
+        Recorder(system.size) if record is None else record.recorder(plan.integrator, step, system.size)
+    ) as recorder:
         # whole steps, so that the run does not pass the end of the track
         duration = step * max(1, int(plan.duration / step + 1e-6))
         integration = Integration(
@@ -124,9 +131,13 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
             segment=SEGMENT if setup.contact.fast() == setup.contact else SEGMENT_EXACT, progress=progress,
             recorder=recorder,
         )  # fmt: skip
-        with timed(took):
-            motion = integration.run(q, q_t)
-    return result_of(setup, law, motion, monitor.events(), None if record is None else record.path.parent)
+        with ExitStack() as stack:
+            if law.compiled and law.on_sleepers is None and not (plan.wear or plan.fast_channels or recorder.last):
+                samples = Samples(setup, law, integration.sample_count, folder)
+                recorder.listener = stack.enter_context(worked_through(samples))
+            with timed(took):
+                motion = integration.run(q, q_t)
+    return result_of(setup, law, motion, monitor.events(), folder, samples)
 
 
 def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iterations: int = BENCH_ITERATIONS) -> Stepper:

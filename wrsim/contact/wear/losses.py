@@ -127,16 +127,16 @@ class Losses:
         kind += [("pose", "f8", POSE), ("way", "f8"), ("found", "i8"), ("wheel", "i8")]
         self._samples, self._count = np.zeros(max(ROOM // a.strips.nbytes, 1), kind), 0
 
-    def store(self, wheelset: int, sample: int) -> None:
-        """Take in what the models of a wheelset computed last, for a sample of the run."""
+    def store(self, wheelset: int, sample: int, contacts: Sequence[tuple[Records, Records, Array, int]]) -> None:
+        """Take in the contacts of both wheels of a wheelset at a sample of the run: LOBE records, STRIP records, POSE,
+        and the number of lobes of each."""
         way = float(self.ways[wheelset][sample])
         if not way > 0.0:
             return
-        for side, wheel in enumerate(self.wheels[wheelset]):
-            a = wheel.model.arrays
-            if a.total.lobes:
-                lobes, strips = a.patches.view("f8"), a.strips.view("f8")
-                self._samples[self._count] = lobes, strips, a.pose, way, a.total.lobes, 2 * wheelset + side
+        for side, (lobes, strips, pose, count) in enumerate(contacts):
+            if count:
+                row = lobes.view("f8"), strips.view("f8"), pose, way, count, 2 * wheelset + side
+                self._samples[self._count] = row
                 self._count += 1
             if self._count == self._samples.size:
                 self._work_through()

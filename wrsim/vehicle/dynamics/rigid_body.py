@@ -128,6 +128,18 @@ def quadratic_forces(q: Array, q_t: Array, ixx: float, iyy: float, izz: float, o
 
 
 @kernel
+def equations_of_motion(q: Array, q_t: Array, inertia: Records, blocks: Array, quadratic: Array) -> None:
+    """Mass matrices (n, bodies, 6, 6) of all bodies at states (n, size) and their quadratic velocity forces (n, bodies,
+    6). inertia: (bodies,) records INERTIA."""
+    for i in range(q.shape[0]):
+        for k in range(inertia.shape[0]):
+            first, about = 6 * k, inertia[k]
+            here, rates = q[i, first : first + 6], q_t[i, first : first + 6]
+            mass_block(here, about.mass, about.xx, about.yy, about.zz, blocks[i, k])
+            quadratic_forces(here, rates, about.xx, about.yy, about.zz, quadratic[i, k])
+
+
+@kernel
 def rates_of(q: Array, omega: Vec, q_t: Array) -> None:
     """Write the rates of the three angles of a body that turns with a global angular velocity [rad/s] to q_t. Of a
     wheelset the third rate is the one that its spin adds to."""
