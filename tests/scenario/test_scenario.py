@@ -243,6 +243,18 @@ def test_numbers_of_numpy_are_numbers(value, converted):
     assert changed.text == base.with_values({"vehicle.speed_kmh": converted, "output.patches_at_m": [20.0, 50.0]}).text
 
 
+def test_tables_that_a_change_leaves_are_those_of_its_whole_text() -> None:
+    """Only tables with new values are checked again; what one of them asks of the others still holds."""
+    base = load(SCENARIOS / "curve_r300.toml")
+    changed = base.with_values({"contact.friction": 0.2})
+    assert changed.spec == load_text(changed.text).spec
+    assert changed.spec.track is base.spec.track and changed.spec.contact is not base.spec.contact
+    with pytest.raises(InputError, match="needs a speed"):
+        base.with_values({"vehicle": {"model": base.spec.vehicle.model}})
+    with pytest.raises(InputError, match="friction"):
+        changed.with_values({"contact.friction": "wet"})
+
+
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [

@@ -18,7 +18,7 @@ from wrsim.inputs.checking import check_value
 from wrsim.inputs.file_kinds import resolved
 from wrsim.inputs.values import Series
 from wrsim.register import ANALYSES, TABLES
-from wrsim.scenario.build import build
+from wrsim.scenario.build import Setup, build, sharing
 from wrsim.scenario.plausibility import facts, warnings
 from wrsim.scenario.schema import ScenarioFile
 from wrsim.scenario.sections.static import read_cases
@@ -321,3 +321,27 @@ def test_a_file_that_set_names_is_looked_up_in_the_working_directory_too(tmp_pat
     assert [w.name for w in build(changed).vehicle.wheelsets] == ["wheelset"]
     with pytest.raises(InputError, match="not found"):
         build(load(COACH).with_values({"vehicle.model": "mine.toml"}))
+
+
+def test_cases_of_a_study_share_what_is_the_same_for_them(tmp_path: Path) -> None:
+    """Parts of equal tables and files are one object, and a set-up is that of a build of its own. Others are not
+    shared: of a changed key, of a changed file, and outside of a study."""
+    rail = tmp_path / "rail.toml"
+    rail.write_text((SCENARIOS.parent / "models/rails/60E1.toml").read_text())
+    base = load(SCENARIOS / "curve_r300.toml").with_values({"track.rail": str(rail)})
+    digests = {str(rail): "before"}
+
+    def built(changes: dict[str, object]) -> Setup:
+        with sharing(digests):
+            return build(base.with_values(changes))
+
+    slow, fast = built({"vehicle.speed_kmh": 40.0}), built({"vehicle.speed_kmh": 60.0, "contact.friction": 0.2})
+    alone = build(base.with_values({"vehicle.speed_kmh": 60.0, "contact.friction": 0.2}))
+    assert fast.vehicle is slow.vehicle is not alone.vehicle and fast.rails is slow.rails is not alone.rails
+    assert fast.attributes() == alone.attributes() and fast.files == alone.files
+    assert fast.vehicle == alone.vehicle and fast.plan == alone.plan and fast.contact == alone.contact
+    heavy = built({"vehicle.sprung_mass_kg": 1.1 * slow.vehicle.carried[0].mass})
+    assert heavy.vehicle != slow.vehicle and heavy.rails is slow.rails
+    rail.write_text(rail.read_text().replace('name = "60E1"', 'name = "another"'))
+    digests[str(rail)] = "after"
+    assert built({}).rails[0].name != slow.rails[0].name

@@ -8,7 +8,9 @@ pydantic checks the fields; on top of it a Section
   is not reported missing as well).
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from inspect import signature
 from math import radians
@@ -47,6 +49,19 @@ T = TypeVar("T")
 
 
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
+
+
+_CHECKED: ContextVar[Mapping[int, "Section"]] = ContextVar("_CHECKED")
+
+
+@contextmanager
+def checked_before(sections: Mapping[int, "Section"]) -> Iterator[None]:
+    """Within this block tables are not checked again of which the sections are known, by their ``id``."""
+    before = _CHECKED.set(sections)
+    try:
+        yield
+    finally:
+        _CHECKED.reset(before)
 
 
 class Fault(NamedTuple):
@@ -158,6 +173,8 @@ class Section(BaseModel):
     def _all_at_once(cls, raw: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
         if isinstance(raw, cls):
             return raw
+        if isinstance(before := _CHECKED.get({}).get(id(raw)), cls):
+            return before
         if not isinstance(raw, dict):
             raise refuse(f"must be a table ({cls.header})")
         data, faults, guessed = cls._translate(raw)

@@ -174,6 +174,12 @@ def noting_reads() -> Iterator[dict[Path, bytes]]:
             around.update(noted)
 
 
+def note_reads(contents: Mapping[Path, bytes]) -> None:
+    """Note files, whose contents are known from before, as read."""
+    if (read := _READ.get()) is not None:
+        read.update(contents)
+
+
 def parse_value(text: str) -> Any:
     """The value of a key as written in TOML; a text that is no value, such as a bare word, is taken as text."""
     try:
@@ -212,13 +218,15 @@ def parse_toml(text: str, name: str) -> dict[str, Any]:
 
 def texts_in(data: Any, without: str = "") -> Iterator[str]:
     """All texts in a tree of tables and lists, names of keys included; without: a key that is left out."""
-    if isinstance(data, str):
-        yield data
-    elif isinstance(data, (dict, list, tuple)):
-        inside = (
-            chain.from_iterable(item for item in data.items() if item[0] != without) if isinstance(data, dict) else data
-        )
-        yield from chain.from_iterable(texts_in(value, without) for value in inside)
+    level = [data]
+    while level:
+        value = level.pop()
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, dict):
+            level += chain.from_iterable(item for item in value.items() if item[0] != without)
+        elif isinstance(value, (list, tuple)):
+            level += value
 
 
 def is_too_deep(data: Any) -> bool:

@@ -1,7 +1,7 @@
 """Keys in US units beside the metric ones: the ending of a key gives its unit, ``speed_mph`` for ``speed_kmh``."""
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from math import radians, sin
 from operator import mul
 from typing import Any, NamedTuple
@@ -29,6 +29,7 @@ class Metric(NamedTuple):
     convert: Callable[[float], float]
 
 
+@lru_cache(maxsize=4096)
 def metric(key: str) -> Metric | None:
     """The metric key of one in US units; None for other keys."""
     if key == "radius_deg":

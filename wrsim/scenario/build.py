@@ -1,7 +1,9 @@
 """From a Scenario to what the analyses take: vehicle, rails, track and contact. Units of files end here."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import partial
 from hashlib import sha256
@@ -16,7 +18,7 @@ from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.file_kinds import resolved
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import SIDES, on_side
-from wrsim.inputs.toml_files import noting_reads, read_bytes
+from wrsim.inputs.toml_files import note_reads, noting_reads, read_bytes
 from wrsim.inputs.values import number
 from wrsim.register import ANALYSES, Analysis
 from wrsim.scenario.kept import ATTRIBUTE, KeptFiles
@@ -40,6 +42,7 @@ from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Wheelset
 
 P = TypeVar("P")
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +105,44 @@ class Setup(Generic[P]):
         return attributes | ({"stop_reason": stop_reason} if stop_reason else {})
 
 
+MOST_SHARED = 12
+"""Parts of set-ups that are stored for those that follow."""
+_FILES: ContextVar[frozenset[tuple[str, str]] | None] = ContextVar("_FILES", default=None)
+_SHARED: dict[Hashable, tuple[dict[Path, bytes], Any]] = {}
+
+
+@contextmanager
+def sharing(files: Mapping[str, str]) -> Iterator[None]:
+    """Within this block set-ups share vehicles, rails and tracks of equal tables with earlier ones of this process.
+
+    files: digests, which are those of now, of all files that the scenario names; others share nothing with it.
+    """
+    before = _FILES.set(frozenset(files.items()))
+    try:
+        yield
+    finally:
+        _FILES.reset(before)
+
+
+def _shared(scenario: Scenario, what: str, names: tuple[str, ...], make: Callable[[], T]) -> T:
+    """What is made of these tables of a scenario; the vehicle does not depend on its speed, unless in the wind."""
+    if (files := _FILES.get()) is None:
+        return make()
+    data = scenario.merged.data
+    tables = {name: data.get(name) for name in ("analysis", "profiles", *names)}
+    if "vehicle" in names and scenario.spec.vehicle.wind is None:
+        tables["vehicle"] = {key: value for key, value in data["vehicle"].items() if key != "speed_kmh"}
+    key = what, files, scenario.finder, repr(tables)
+    if (known := _SHARED.pop(key, None)) is None:
+        with noting_reads() as read:
+            known = read, make()
+    _SHARED[key] = known  # the last ones are those that are used
+    if len(_SHARED) > MOST_SHARED:
+        del _SHARED[next(iter(_SHARED))]
+    note_reads(known[0])
+    return known[1]
+
+
 def build(scenario: Scenario) -> Setup[Any]:
     """Read the models of a scenario and build vehicle, rails, track and contact.
 
@@ -120,18 +161,24 @@ def build(scenario: Scenario) -> Setup[Any]:
 
 def _build(scenario: Scenario) -> Setup[Any]:
     spec, analysis = scenario.spec, ANALYSES[scenario.analysis]
-    vehicle = vehicle_of(scenario)
+    vehicle = _shared(scenario, "vehicle", ("vehicle",), lambda: vehicle_of(scenario))
     for key, message in _unfit(scenario, analysis, vehicle):
         raise scenario.fault(key, message)
-    rails = rails_of(scenario)
-    track = track_of(scenario, rails)
-    if spec.track.gauge_between == "gauge points":
-        for each in dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets):
+    rails = _shared(scenario, "rails", ("track",), lambda: rails_of(scenario))
+    track = _shared(scenario, "track", ("track",), lambda: track_of(scenario, rails))
+
+    def placed() -> tuple[RailSurface | None, RailSurface | None]:
+        wheelsets = dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets)
+        by_gauge_points = spec.track.gauge_between == "gauge points"
+        for each in wheelsets if by_gauge_points else ():
             check_placement(scenario, each, rails, track)
-    surfaces = surfaces_of(scenario, track)
-    if spec.track.gauge_between == "gauge points" and spec.contact.conical is None:
-        for each in dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets):
+        surfaces = _shared(scenario, "surfaces", ("track",), lambda: surfaces_of(scenario, track))
+        for each in wheelsets if by_gauge_points and not conical else ():
             check_flange_backs(scenario, each, rails, surfaces)
+        return surfaces
+
+    conical = spec.contact.conical is not None
+    surfaces = _shared(scenario, "cones" if conical else "wheels", ("vehicle", "track"), placed)
     if any(surfaces) and not analysis.moves:
         message = f'are for runs: analysis = "{spec.analysis}" knows one profile of each rail'
         raise scenario.fault(("track", "rail_sections"), message)

@@ -17,7 +17,7 @@ from wrsim.inputs.checking import check_section, dotted, fault_line, refuse_othe
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, as_path
 from wrsim.inputs.notebook import card, folded
-from wrsim.inputs.section import Section
+from wrsim.inputs.section import Section, checked_before
 from wrsim.inputs.toml_files import parse_value, shortened, value_hint, write_toml
 from wrsim.register import ANALYSES
 from wrsim.results.units import prefer
@@ -175,7 +175,11 @@ class Scenario:
             except InputError as error:
                 raise InputError(f"{owner}: {error}") from None
             owners |= {path[:end]: owner for end in range(new, len(path) + 1)}
-        scenario = _checked(replace(self.merged, data=data, text="", owners=owners), self.path, self.finder)
+        tables = ((table, getattr(self.spec, name, None)) for name, table in data.items())
+        known = {id(table): section for table, section in tables if isinstance(section, Section)}
+        unchanged = known.keys() & map(id, self.merged.data.values())
+        with checked_before({table: known[table] for table in unchanged}):
+            scenario = _checked(replace(self.merged, data=data, text="", owners=owners), self.path, self.finder)
         prefer(scenario.spec.units)
         return scenario
 
@@ -267,14 +271,14 @@ def _scenario(
     merged: Merged, path: Path | None, models: Sequence[str | Path], folder: Path = Path(), closed: bool = False
 ) -> Scenario:
     beside = [file.parent for file in merged.files] or [folder]
+    if len(merged.files) > 1:  # keys of its base hide what the file itself is
+        top = {key: value for key, value in merged.data.items() if merged.owners.get((key,)) == str(merged.files[0])}
+        refuse_other_kind(ScenarioFile, top, lambda _: str(merged.files[0]))
     return _checked(merged, path, Finder.of(beside, models, closed))
 
 
 def _checked(merged: Merged, path: Path | None, finder: Finder) -> Scenario:
     count = len(merged.files)
-    if count > 1:  # keys of its base hide what the file itself is
-        top = {key: value for key, value in merged.data.items() if merged.owners.get((key,)) == str(merged.files[0])}
-        refuse_other_kind(ScenarioFile, top, lambda _: str(merged.files[0]))
     with finder.guard():
         merged = with_track_file(merged, finder)
     if len(merged.files) > count:  # what a track file names may lie beside it

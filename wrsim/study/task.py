@@ -12,7 +12,7 @@ import faulthandler
 import os
 import platform
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,7 +28,7 @@ from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import Manifest, as_json
-from wrsim.scenario.build import build
+from wrsim.scenario.build import build, sharing
 from wrsim.scenario.loading import Scenario
 from wrsim.study.outputs import case_outputs
 from wrsim.study.plan import Case, Plan, changed_file, plan_in
@@ -223,7 +223,7 @@ def _simulate(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
     scenario = plan.scenario(case)
     write_atomically(folder / RECORD, scenario.text.encode())
     begin = time.perf_counter()
-    result = _run(scenario, folder / PART, plan.time_limit, marker)
+    result = _run(scenario, plan.files[case.files], folder / PART, plan.time_limit, marker)
     marker.simulation = time.perf_counter() - begin
     if plan.keep == "results":
         result.save(folder / RESULT)
@@ -231,15 +231,16 @@ def _simulate(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
     marker.record_result(result, plan)
 
 
-def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result:
-    """The result of a scenario, from its part file where that can go on."""
+def _run(scenario: Scenario, files: Mapping[str, str], part: Path, limit: float, marker: Marker) -> Result:
+    """The result of a scenario, from its part file where that can go on; files: with their digests."""
     until = time.monotonic() + limit
 
     def progress(fraction: float, seconds_left: float) -> None:
         if time.monotonic() > until:
             raise StopCase(fraction)
 
-    setup = build(scenario)
+    with sharing(files):
+        setup = build(scenario)
     if ANALYSES[scenario.analysis].moves and part.exists():
         try:
             marker.resumed = True
