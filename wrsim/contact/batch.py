@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from wrsim.contact import records as k
 from wrsim.contact.arrays import Arrays
 from wrsim.contact.patches import RawContacts, patch_channels
-from wrsim.contact.prescribed_load import SEARCH, side_by_side, some_poses
+from wrsim.contact.prescribed_load import SEARCH, SEGMENT, side_by_side, some_poses
 from wrsim.contact.wheel_rail import compile_stages
 from wrsim.contact.workspace import pack
 from wrsim.errors import InputError
@@ -90,8 +90,10 @@ def evaluate_poses(
             raise InputError(f"load = {wanted[i]:g} of pose {i}: must be a vertical force above 0 N")
     count = cores() if threads is None else threads
     use_threads(count)
-    count = min(count, n)
-    share = -(-n // count)
+    segment = np.arange(n) // (1 if load is None else SEGMENT)  # without a load no pose knows of another one
+    count = min(count, int(segment[-1]) + 1)
+    mine = [np.flatnonzero(segment % count == t) for t in range(count)]
+    share = len(mine[0])
     number = inputs.model[0]
     compile_stages(k.CONTACT)
     stages.make_ready(k.POSES, some_poses)
@@ -108,22 +110,20 @@ def evaluate_poses(
 
     placed, asked, totals, lobes_of = (view(i, part) for i, part in enumerate(parts))
     view(len(parts) + inputs._fields.index("call"), inputs.call)["place"] = place
-    mine = [(t, slice(t * share, min((t + 1) * share, n))) for t in range(count) if t * share < n]
     asked_of_all = search_for(wanted, rows[:, 2], number.radius, number.E)
     try:
         asked_of_all["angle"] = np.asarray(wheel_angle, dtype=float)
     except ValueError:
         raise InputError(f"wheel_angle: must be one angle or {n}, one a pose, not {np.shape(wheel_angle)}") from None
-    for t, part in mine:
-        size = part.stop - part.start
-        placed[t, :size], asked[t, :size] = rows[part], asked_of_all[part]
+    for t, part in enumerate(mine):
+        placed[t, : len(part)], asked[t, : len(part)] = rows[part], asked_of_all[part]
     if count == 1:
         some_poses(buffers[0], index)
     else:
         side_by_side(buffers, index)
     raw = RawContacts(np.zeros((n, 1, lobes), k.LOBE), np.zeros((n, 1), k.TOTAL))
-    for t, part in mine:
-        size = part.stop - part.start
+    for t, part in enumerate(mine):
+        size = len(part)
         rows[part], raw.patches[part, 0], raw.totals[part, 0] = placed[t, :size], lobes_of[t, :size], totals[t, :size]
     total = raw.totals[:, 0]
     of = {name: values[:, 0] for name, values in patch_channels(raw).items()}

@@ -82,6 +82,7 @@ STEEPEST = 100.0  # slope of force^(2/3) within the bracket over Hertz's, force^
 MOST_RESIDUALS = 1350  # of the strip model at a load: fifty times the median of random poses, 27
 HIGHEST = 0.1  # above its rail, from where a wheel is let down [m]
 CLOSEST = 1e-6  # distance of profiles that do not touch, at least [m]
+SEGMENT = 32  # poses that follow each other on one thread, whatever the number of threads: the first one starts cold
 
 BATCH = 4  # arrays in a workspace before those of the contact: poses, searches, and of each TOTAL and LOBE records
 _MODEL, _POSE, _STATE, _PATCHES, _MEMO = (
@@ -236,7 +237,8 @@ def contact_at_load(buffer: Array, index: Ints) -> int:
 
 @kernel
 def some_poses(buffer: Array, index: Ints) -> int:
-    """A stage: contacts at the poses of a workspace, each at its load. Returns 0."""
+    """A stage: contacts at the poses of a workspace, each at its load, in segments that know nothing of each other.
+    Returns 0."""
     contact_index = index[index.shape[0] - _HELD :]
     first = index.shape[0] - _HELD - BATCH
     poses, searches = matrix(buffer, index, first), records(buffer, index, first + 1, SEARCH)
@@ -250,6 +252,7 @@ def some_poses(buffer: Array, index: Ints) -> int:
     start = COLD_START
     for i in range(poses.shape[0]):
         s = searches[i]
+        start = COLD_START if i % SEGMENT == 0 else start
         if s.load < 0.0:
             continue
         copy(pose.shape[0], poses[i], pose)

@@ -30,11 +30,8 @@ def invert(a: Array, n: int, pivot: Array) -> None:
         a[c, c] = 1.0
         for j in range(n):
             a[c, j] *= inverse
-        for first, last in ((0, c), (c + 1, n)):
-            _subtract(a, c, first, last, 0, c)
-            _subtract(a, c, first, last, c + 1, n)
-            for i in range(first, last):
-                a[i, c] *= -inverse
+        _subtract(a, c, 0, c, 0, n)
+        _subtract(a, c, c + 1, n, 0, n)
     for c in range(n - 1, -1, -1):
         p = int(pivot[c])
         if p != c:
@@ -57,11 +54,14 @@ def _exchange(a: Array, c: int, n: int) -> int:
 
 @kernel
 def _subtract(a: Array, c: int, first: int, last: int, start: int, end: int) -> None:
-    """Subtract row c times a[i, c] from the rows i = first to last, in the columns from start to end."""
+    """Subtract row c times a[i, c] from the rows i = first to last, in the columns from start to end; column c, where
+    it is one of these, counts as zero before."""
     i = first
     while i < last - 3:
         # four rows at once: each number of row c is read once for all
         f0, f1, f2, f3 = a[i, c], a[i + 1, c], a[i + 2, c], a[i + 3, c]
+        if start <= c:
+            a[i, c] = a[i + 1, c] = a[i + 2, c] = a[i + 3, c] = 0.0
         if f0 != 0.0 or f1 != 0.0 or f2 != 0.0 or f3 != 0.0:
             for j in range(start, end):
                 above = a[c, j]
@@ -72,6 +72,8 @@ def _subtract(a: Array, c: int, first: int, last: int, start: int, end: int) -> 
         i += 4
     while i < last:
         f0 = a[i, c]
+        if start <= c:
+            a[i, c] = 0.0
         for j in range(start, end):
             a[i, j] -= f0 * a[c, j]
         i += 1

@@ -45,18 +45,20 @@ def _with_slope_in_row(row: Array, v: float) -> tuple[float, float]:
     return sum(columns[q] * row[j + q] for q in range(4)), sum(leaning[q] * row[j + q] for q in range(4))
 
 
-def _weights(position: float, powers: Any) -> tuple[int, list[float]]:
-    """The first coefficient that counts at a place, and the weights of four."""
+def _weights(position: float, powers: Any, z: float = -1.0) -> tuple[int, list[float]]:
+    """The first coefficient that counts at a place, and the weights of four; z: where in its step the place lies."""
     i = int(position)
-    z = position - i
+    z = position - i if z < 0.0 else z
     return i, [a + z * (b + z * (c + z * d)) for a, b, c, d in powers]
 
 
-def _difference(table: Array, u: float, lo: float, v: float, hi: float, w: float) -> float:
+def _difference(
+    table: Array, u: float, u_z: float, lo: float, v: float, v_z: float, hi: float, w: float, w_z: float
+) -> float:
     return hi * _with_slopes(table, u, w)[0] - lo * _with_slopes(table, u, v)[0]
 
 
-def _difference_in_row(row: Array, lo: float, v: float, hi: float, w: float) -> float:
+def _difference_in_row(row: Array, lo: float, v: float, v_z: float, hi: float, w: float, w_z: float) -> float:
     return hi * _with_slope_in_row(row, w)[0] - lo * _with_slope_in_row(row, v)[0]
 
 
@@ -67,10 +69,10 @@ class Sum:
         array = make_array(kind)(context, builder, table)
         self.builder, self.data, self.width = builder, array.data, builder.extract_value(array.shape, kind.ndim - 1)
 
-    def weights(self, position: Any, powers: Any) -> tuple[Any, Any]:
+    def weights(self, position: Any, powers: Any, z: Any = None) -> tuple[Any, Any]:
         """As `_weights`, four side by side."""
         i = self.builder.fptosi(position, WORD)
-        z = self.spread(self.builder.fsub(position, self.builder.sitofp(i, DOUBLE)))
+        z = self.spread(self.builder.fsub(position, self.builder.sitofp(i, DOUBLE)) if z is None else z)
         *others, values = (FOUR(list(column)) for column in zip(*powers, strict=True))
         for constant in reversed(others):
             values = self.add(self.times(values, z), constant)
@@ -144,24 +146,26 @@ def _with_slope_in_row_compiled(_context: Any, row: Any, v: Any) -> Any:
 
 
 @intrinsic
-def _difference_compiled(_context: Any, table: Any, u: Any, lo: Any, v: Any, hi: Any, w: Any) -> Any:
+def _difference_compiled(
+    _context: Any, table: Any, u: Any, u_z: Any, lo: Any, v: Any, v_z: Any, hi: Any, w: Any, w_z: Any
+) -> Any:
     def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
         sums = Sum(context, builder, table, args[0])
-        (k, rows), (i, start), (j, end) = (sums.weights(position, WEIGHTS) for position in (args[1], args[3], args[5]))
+        (k, rows), (i, start), (j, end) = (sums.weights(args[p], WEIGHTS, args[p + 1]) for p in (1, 4, 7))
         low, high = sums.columns(k, i, rows)[0], sums.columns(k, j, rows)[0]
-        return sums.step(args[2], sums.times(low, start), args[4], sums.times(high, end))
+        return sums.step(args[3], sums.times(low, start), args[6], sums.times(high, end))
 
-    return types.float64(table, *[types.float64] * 5), code
+    return types.float64(table, *[types.float64] * 8), code
 
 
 @intrinsic
-def _difference_in_row_compiled(_context: Any, row: Any, lo: Any, v: Any, hi: Any, w: Any) -> Any:
+def _difference_in_row_compiled(_context: Any, row: Any, lo: Any, v: Any, v_z: Any, hi: Any, w: Any, w_z: Any) -> Any:
     def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
         sums = Sum(context, builder, row, args[0])
-        (i, start), (j, end) = (sums.weights(position, WEIGHTS) for position in (args[2], args[4]))
-        return sums.step(args[1], sums.times(sums.load(i), start), args[3], sums.times(sums.load(j), end))
+        (i, start), (j, end) = (sums.weights(args[p], WEIGHTS, args[p + 1]) for p in (2, 5))
+        return sums.step(args[1], sums.times(sums.load(i), start), args[4], sums.times(sums.load(j), end))
 
-    return types.float64(row, *[types.float64] * 4), code
+    return types.float64(row, *[types.float64] * 6), code
 
 
 with_slopes: Any
@@ -178,6 +182,6 @@ else:
 steps along rows and columns, or of a row of one.
 
 with_slopes(table, u, v), with_slope_in_row(row, v): value and derivatives by u and v, or by v;
-difference(table, u, lo, v, hi, w), difference_in_row(row, lo, v, hi, w): hi times the value at w less lo times that at
-v.
+difference(table, u, u_z, lo, v, v_z, hi, w, w_z), difference_in_row(row, lo, v, v_z, hi, w, w_z): hi times the value at
+w less lo times that at v; _z: what of a place is beyond its last whole number of steps.
 """

@@ -9,6 +9,8 @@ those of the spline at xi = 0.
 from math import copysign, sqrt
 from typing import NamedTuple
 
+import numpy as np
+
 from wrsim.contact.strips.records import V
 from wrsim.jit import Array, inlined, kernel, noalias_kernel
 from wrsim.jit.arena import bits_of, number_of
@@ -58,35 +60,48 @@ def _coordinate_xi(xi: float) -> float:
 
 
 @noalias_kernel
-def _find_ends(vectors: Array, first: int, last: int, s: float, low: Array, high: Array) -> None:
-    """Coordinates t of both ends of strips, (>= last,), seen from s."""
-    for j in range(first, last):
-        inverse = vectors[V.INVERSE, j]
-        low[j] = _coordinate_t((vectors[V.FROM, j] - s) * inverse)
-        high[j] = _coordinate_t((vectors[V.TO, j] - s) * inverse)
+def _find_ends(start: Array, end: Array, inverse: Array, s: float, low: Array, high: Array) -> None:
+    """Coordinates t of both ends of strips, (n,), seen from s."""
+    for j in range(inverse.size):
+        low[j] = _coordinate_t((start[j] - s) * inverse[j])
+        high[j] = _coordinate_t((end[j] - s) * inverse[j])
 
 
 @noalias_kernel
-def _find_middles(vectors: Array, first: int, last: int, x: float, beside: Array) -> None:
-    """Coordinates xi of the point x, (>= last,), seen from the middles of strips."""
-    for j in range(first, last):
-        beside[j] = _coordinate_xi((x - vectors[V.MIDDLE, j]) * vectors[V.INVERSE, j])
+def _find_middles(middle: Array, inverse: Array, x: float, beside: Array) -> None:
+    """Coordinates xi of the point x, (n,), seen from the middles of strips."""
+    for j in range(inverse.size):
+        beside[j] = _coordinate_xi((x - middle[j]) * inverse[j])
 
 
 @noalias_kernel
-def _find_rates(vectors: Array, first: int, last: int, s: float, low: Array, high: Array) -> None:
-    """Slopes of the coordinates of both ends over the logarithm of t, (>= last,)."""
-    for j in range(first, last):
-        inverse = vectors[V.INVERSE, j]
-        low[j] = STEPS * _octave_rate(max(abs((vectors[V.FROM, j] - s) * inverse), _LEAST_T))
-        high[j] = STEPS * _octave_rate(max(abs((vectors[V.TO, j] - s) * inverse), _LEAST_T))
+def _find_levers(start: Array, end: Array, inverse: Array, push: Array, s: float, lo: Array, hi: Array) -> None:
+    """Distances of both ends of strips from s, times amplitudes and half lengths, (n,)."""
+    for j in range(inverse.size):
+        lo[j] = (start[j] - s) * (push[j] * inverse[j])
+        hi[j] = (end[j] - s) * (push[j] * inverse[j])
 
 
 @noalias_kernel
-def _scale_by_rate(vectors: Array, first: int, last: int, x: float, p: Array) -> None:
-    """Multiply by the slope of the coordinate over xi, (>= last,)."""
-    for j in range(first, last):
-        xi = (x - vectors[V.MIDDLE, j]) * vectors[V.INVERSE, j]
+def _find_rests(position: Array, n: int, rest: Array) -> None:
+    """What of coordinates is beyond their last whole step, (n,)."""
+    for j in range(n):
+        rest[j] = position[j] - np.floor(position[j])
+
+
+@noalias_kernel
+def _find_rates(start: Array, end: Array, inverse: Array, s: float, low: Array, high: Array) -> None:
+    """Slopes of the coordinates of both ends over the logarithm of t, (n,)."""
+    for j in range(inverse.size):
+        low[j] = STEPS * _octave_rate(max(abs((start[j] - s) * inverse[j]), _LEAST_T))
+        high[j] = STEPS * _octave_rate(max(abs((end[j] - s) * inverse[j]), _LEAST_T))
+
+
+@noalias_kernel
+def _scale_by_rate(middle: Array, inverse: Array, x: float, p: Array) -> None:
+    """Multiply by the slope of the coordinate over xi, (n,)."""
+    for j in range(inverse.size):
+        xi = (x - middle[j]) * inverse[j]
         y = SHARP * (xi * xi - 1.0)
         root = sqrt(y * y + 1.0)
         p[j] *= STEPS_BESIDE * _octave_rate(y + root) * 2.0 * SHARP * xi / root
@@ -141,32 +156,47 @@ def displacement_at(
 
     The coordinates in the table are computed for several strips at a time.
     """
-    low, high, beside, before, behind = (
-        vectors[V.TERMS], vectors[V.TERMS + 1], vectors[V.TERMS + 2], vectors[V.TERMS + 3], vectors[V.TERMS + 4],
+    # from 0 on: where a number may be negative the compiler gathers
+    start, end, inverse, middles, pushes = (
+        vectors[V.FROM, first:last], vectors[V.TO, first:last], vectors[V.INVERSE, first:last],
+        vectors[V.MIDDLE, first:last], vectors[V.PUSH, first:last],
     )  # fmt: skip
-    _find_ends(vectors, first, last, s, low, high)
+    low, high, beside, before, behind, low_z, high_z, beside_z, before_z, behind_z = (
+        vectors[V.TERMS], vectors[V.TERMS + 1], vectors[V.TERMS + 2], vectors[V.TERMS + 3], vectors[V.TERMS + 4],
+        vectors[V.TERMS + 5], vectors[V.TERMS + 6], vectors[V.TERMS + 7], vectors[V.TERMS + 8], vectors[V.TERMS + 9],
+    )  # fmt: skip
+    lo, hi = vectors[V.TERMS + 10], vectors[V.TERMS + 11]
+    _find_levers(start, end, inverse, pushes, s, lo, hi)
+    _find_ends(start, end, inverse, s, low, high)
+    _find_rests(low, inverse.size, low_z)
+    _find_rests(high, inverse.size, high_z)
     if not aligned:
-        _find_middles(vectors, first, last, x, beside)
+        _find_middles(middles, inverse, x, beside)
+        _find_rests(beside, inverse.size, beside_z)
     if points > 1:
-        _find_middles(vectors, first, last, x + r, before)
+        _find_middles(middles, inverse, x + r, before)
+        _find_rests(before, inverse.size, before_z)
     if points > 2:
-        _find_middles(vectors, first, last, x - r, behind)
+        _find_middles(middles, inverse, x - r, behind)
+        _find_rests(behind, inverse.size, behind_z)
     in_middle = table[table.shape[0] - 1]
     middle = fore = aft = 0.0
-    for j in range(first, last):
-        push = vectors[V.PUSH, j] * vectors[V.INVERSE, j]
-        if push == 0.0:
+    for j in range(last - first):
+        if pushes[j] == 0.0:
             continue
-        push *= turned_influence(vectors, j, no, nb, s)
-        lo, hi = (vectors[V.FROM, j] - s) * push, (vectors[V.TO, j] - s) * push
+        felt = turned_influence(vectors, first + j, no, nb, s)
         if aligned:
-            middle += difference_in_row(in_middle, lo, low[j], hi, high[j])
+            middle += felt * difference_in_row(in_middle, lo[j], low[j], low_z[j], hi[j], high[j], high_z[j])
         else:
-            middle += difference(table, beside[j], lo, low[j], hi, high[j])
+            middle += felt * difference(
+                table, beside[j], beside_z[j], lo[j], low[j], low_z[j], hi[j], high[j], high_z[j]
+            )
         if points > 1:
-            fore += difference(table, before[j], lo, low[j], hi, high[j])
+            u = difference(table, before[j], before_z[j], lo[j], low[j], low_z[j], hi[j], high[j], high_z[j])
+            fore += felt * u
         if points > 2:
-            aft += difference(table, behind[j], lo, low[j], hi, high[j])
+            u = difference(table, behind[j], behind_z[j], lo[j], low[j], low_z[j], hi[j], high[j], high_z[j])
+            aft += felt * u
     return Displacements(middle, fore, aft)
 
 
@@ -179,14 +209,18 @@ def find_terms(
 
     Differences of PHI, and of its slope by xi; of t f; f(1, xi, t) at both ends. aligned: as in ``displacement_at``.
     """
+    start, end, inverses, middles = (
+        vectors[V.FROM, first:last], vectors[V.TO, first:last], vectors[V.INVERSE, first:last],
+        vectors[V.MIDDLE, first:last],
+    )  # fmt: skip
+    p, p_xi, lever, f0, f1 = p[first:last], p_xi[first:last], lever[first:last], f0[first:last], f1[first:last]
     in_middle = table[table.shape[0] - 1]
-    _find_ends(vectors, first, last, s, f0, f1)
-    _find_rates(vectors, first, last, s, lever, p_xi)
+    _find_ends(start, end, inverses, s, f0, f1)
+    _find_rates(start, end, inverses, s, lever, p_xi)
     if not aligned:
-        _find_middles(vectors, first, last, x, p)
-    for j in range(first, last):
-        inverse = vectors[V.INVERSE, j]
-        lo, hi = (vectors[V.FROM, j] - s) * inverse, (vectors[V.TO, j] - s) * inverse
+        _find_middles(middles, inverses, x, p)
+    for j in range(last - first):
+        lo, hi = (start[j] - s) * inverses[j], (end[j] - s) * inverses[j]
         if aligned:
             low, low_t = with_slope_in_row(in_middle, f0[j])
             high, high_t = with_slope_in_row(in_middle, f1[j])
@@ -200,4 +234,4 @@ def find_terms(
         p_xi[j] = hi * high_xi - lo * low_xi
         lever[j] = hi * f1[j] - lo * f0[j]
     if not aligned:
-        _scale_by_rate(vectors, first, last, x, p_xi)
+        _scale_by_rate(middles, inverses, x, p_xi)

@@ -144,7 +144,7 @@ class VectorRows(NamedTuple):
     BEFORE: int  # two numbers of each strip from before its grid is placed anew
     WEIGHTED: int  # last step times the weights of its unknowns
     PRODUCT: int  # WEIGHTED times the inverse
-    TERMS: int  # of `influence`: of all strips what a displacement or its derivatives are made of; last row
+    TERMS: int  # of `influence`: of all strips what a displacement or its derivatives are made of; last rows
 
 
 V = VectorRows(*range(len(VectorRows._fields)))
