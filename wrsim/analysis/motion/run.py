@@ -1,7 +1,7 @@
 """A run along the track: time integration at speed, from steady motion at the start."""
 
 import logging
-from contextlib import ExitStack, closing, suppress
+from contextlib import closing, nullcontext, suppress
 from dataclasses import replace
 from math import ceil
 from pathlib import Path
@@ -118,7 +118,6 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
 
     monitor, plan = Monitor(law, setup.plan.speeds[1], system.work), setup.plan
     folder = None if record is None else record.path.parent
-    samples: Samples | None = None
     with closing(
         Recorder(system.size) if record is None else record.recorder(plan.integrator, step, system.size)
     ) as recorder:
@@ -131,13 +130,19 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
             segment=SEGMENT if setup.contact.fast() == setup.contact else SEGMENT_EXACT, progress=progress,
             recorder=recorder,
         )  # fmt: skip
-        with ExitStack() as stack:
-            if law.compiled and law.on_sleepers is None and not (plan.wear or plan.fast_channels or recorder.last):
-                samples = Samples(setup, law, integration.sample_count, folder)
-                recorder.listener = stack.enter_context(worked_through(samples))
-            with timed(took):
-                motion = integration.run(q, q_t)
+        samples = None
+        if _samples_beside(setup, law) and recorder.last is None:
+            samples = Samples(setup, law, integration.sample_count, folder)
+        with nullcontext() if samples is None else worked_through(samples) as recorder.listener, timed(took):
+            motion = integration.run(q, q_t)
     return result_of(setup, law, motion, monitor.events(), folder, samples)
+
+
+def _samples_beside(setup: Setup[RunPlan], law: VehicleOnTrack) -> bool:
+    """Whether channels of samples may be computed while the run goes on: a core is free, the kernel gives all forces,
+    and a sample needs neither those behind it nor what the rails of the run remember."""
+    needs_all = setup.plan.wear is not None or bool(setup.plan.fast_channels)
+    return setup.threads == 1 and law.compiled and law.on_sleepers is None and not needs_all
 
 
 def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iterations: int = BENCH_ITERATIONS) -> Stepper:
