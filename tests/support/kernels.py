@@ -65,6 +65,7 @@ from wrsim.vehicle.dynamics.kinematics import first_not_finite, is_near
 from wrsim.vehicle.dynamics.rigid_body import kinetic_energies
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
 from wrsim.vehicle.loads import Effort, Load, SlipControl
+from wrsim.vehicle.vehicle import BrakePipe, Member, Wagon
 from wrsim.vehicle.wheelset import Torsion, Wheelset
 
 PAIR = "S1002/60E1 1:40"
@@ -255,6 +256,12 @@ def vehicle_cases() -> dict[str, list[float]]:
     found["implicit step"] = implicit_step(alone, at, moving)
     found["rails on sleepers"] = step_on_sleepers(curve)
     found["elastic axle on a bridge"] = bent(curve)
+    wagon = Wagon("wagon", 8e4, -30.0, 9.0, (1e3, 10.0, 1.0), 0.7)
+    members = Member("coach", 4, 3), Member("wagon", 0, 0, True, 5e4, 0.1, wagon)
+    train = replace(vehicle, loads=(), efforts=(), members=members, brakes=BrakePipe(250.0, 4.0, ((0.0, 1.0),)))
+    drawn = VehicleOnTrack(train, law.track, (), speed=20.0, start=60.0)
+    drawn(1.0, *design_state(drawn), behind := np.zeros(drawn.size))
+    found["wagon along the track"] = list(behind)
     motors = shipped("manchester_motor")
     moment = Effort(motors.drives[0].wheelset, ((0.0, 5e3),))
     geared = VehicleOnTrack(replace(motors, efforts=(moment,)), law.track, (), speed=20.0, start=60.0)

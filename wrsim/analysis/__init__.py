@@ -34,7 +34,7 @@ def _usual_threads(setup: Setup) -> int:
     """How many compute the contacts of this vehicle or train: one also where there is no OpenMP."""
     from wrsim.jit.compiling import cores, use_threads
 
-    if len(setup.vehicle.units) < MANY:
+    if sum(bool(unit.parts) for unit in setup.vehicle.units) < MANY:
         return 1
     try:
         use_threads(cores())

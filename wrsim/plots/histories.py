@@ -46,6 +46,8 @@ LETTERS, LINE = 115, 4.2
 """Letters in a line of the legend of a picture of 170 mm, counting seven for the look of each entry, its height, mm."""
 MANY = 4
 """From so many panels on they have two columns."""
+MOST_COUPLINGS = 16
+"""Couplings of a train that are drawn as lines."""
 OWN_PLACE, ORIGIN = "of each wheelset", "of the vehicle's origin"
 Panel = Callable[[Axes, xr.Dataset], object]
 
@@ -294,6 +296,8 @@ def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
         names = [name for name in words.split() if name in dataset]
         if names and "wheel" in dataset[names[0]].dims:
             figures[picture] = partial(wheelsets_figure, dataset, names[0])
+        elif names and dim == "coupling" and dataset.sizes[dim] > MOST_COUPLINGS:
+            figures[picture] = partial(long_train_figure, dataset, names)
         elif names:
             figures[picture] = partial(together_figure, dataset, dim, names)
     return figures
@@ -317,8 +321,27 @@ def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     return stacked(track, panels, panel_height_mm=28.0, legend=marks.wheel_entries(), titled=True, whose=OWN_PLACE)
 
 
-def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> Figure:
-    """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front."""
+def long_train_figure(dataset: xr.Dataset, channels: Sequence[str]) -> Figure:
+    """Forces of all couplings of a train over distance and place in the train, and channels of those of its vehicles in
+    full."""
+    full = {str(name).split(".")[0] for name in dataset["body"].values}
+    joined = [set(str(name).split("-")) & full != set() for name in dataset["coupling"].values]
+    force = theme.shown(dataset, "coupling_force")
+
+    def overview(axes: Axes, _: xr.Dataset) -> None:
+        number, most = np.arange(1, force.shape[1] + 1), float(np.abs(force).max())
+        look: dict[str, Any] = {"cmap": "RdBu_r", "vmin": -most, "vmax": most, "shading": "nearest", "rasterized": True}
+        mesh = axes.pcolormesh(theme.abscissa(dataset)[0], number, force.T, **look)
+        axes.set(ylim=(number[-1], 1), ylabel="Coupling")
+        axes.figure.colorbar(mesh, cax=axes.inset_axes((1.01, 0.0, 0.015, 1.0)))
+        axes.set_title(f"{CHANNELS['coupling_force'].label}, pull positive", fontsize="small")
+
+    return together_figure(dataset.isel(coupling=np.flatnonzero(joined)), "coupling", channels, [overview])
+
+
+def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str], above: Sequence[Panel] = ()) -> Figure:
+    """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front; above:
+    panels ahead of them."""
     names = [str(n) for n in dataset[dim].values]
     labels = numbered(names).values() if dim == "wheelset" else names
     pairs = zip(cycle(theme.SERIES_COLOURS), cycle(theme.GROUP_LINE), labels)
@@ -334,7 +357,7 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> F
         )
 
     legend = [Line2D([], [], label=label, **look) for label, look in zip(labels, looks, strict=True)]
-    panels = [partial(panel, name=name) for name in channels]
+    panels: list[Panel] = [*above, *(partial(panel, name=name) for name in channels)]
     return stacked(_track_of(dataset), panels, legend=legend, whose=OWN_PLACE if dim == "wheelset" else ORIGIN)
 
 

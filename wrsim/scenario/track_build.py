@@ -139,7 +139,7 @@ def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, 
     start, which is a steady motion on even track; words for these."""
     places = np.array([plan.start + mounted.x for mounted in vehicle.wheelsets])
     front, back = max(part.centre[0] for part in vehicle.parts), min(part.centre[0] for part in vehicle.parts)
-    track = replace(track, reach=plan.end + front + BEYOND)
+    track = replace(track, reach=plan.end + max(front, vehicle.foremost) + BEYOND)
     unevens = [curve.irregularity for curve in (track.left_curve, track.right_curve)]
     slopes = [np.abs(jet[1]).max() for uneven in unevens for jet in (uneven.lateral(places), uneven.vertical(places))]
     if plan.end <= plan.start or max(slopes) == 0.0:

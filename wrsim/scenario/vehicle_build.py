@@ -143,6 +143,11 @@ def _with_efforts(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
                 reason = f"is for wheels that turn on their own; those of '{name}' sit on a rigid axle"
                 raise scenario.fault(("vehicle", "efforts", i, "wheel"), reason)
             efforts.append(table.effort(name))
+    if section.brakes is not None:
+        if vehicle.brakes is None:
+            raise scenario.fault(("vehicle", "brakes"), "goes with the brake pipe of a train, [brakes] in its file")
+        vehicle = replace(vehicle, brakes=replace(vehicle.brakes, steps=section.brakes.time_s_share))
+        efforts += vehicle.braked_wheelsets
     control = section.slip_control
     if control is not None and any(effort.wheel != "both" for effort in efforts):
         message = "looks at axles: it cannot be combined with efforts on single wheels"

@@ -38,7 +38,7 @@ class Attachments:
         self.first = dict(zip(self.modes, np.cumsum([0, *counts]).tolist(), strict=False))
         self.count = sum(counts)
         self._points: list[tuple[int, Triple]] = []
-        self._behind = len(vehicle.parts) + vehicle_forces.FRAMES + len(vehicle.boxes)
+        self._behind = len(vehicle.parts) + vehicle_forces.FRAMES + len(vehicle.boxes) + len(vehicle.wagons)
         self.wheels: dict[int, int] = {}
         for i in self.modes:
             if i < len(vehicle.wheelsets):
@@ -89,7 +89,7 @@ class Attachments:
         forces = np.zeros(len(self.modes[part].frequencies))
         if part < len(self.vehicle.wheelsets):
             return forces
-        for element, preload in zip(self.vehicle.elements, preloads, strict=True):
+        for element, preload in zip(self.vehicle.elements, preloads, strict=False):
             force = element.directions.T @ preload.force
             arm = np.subtract(element.points[1], element.points[0])
             for name, end, sign in ((element.first, element.points[0], -1.0), (element.second, element.points[1], 1.0)):

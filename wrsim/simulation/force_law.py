@@ -49,7 +49,8 @@ class ForceLaw:
 
     units: vehicles in a row, each of which acts on its neighbours alone. dampers: unknowns behind the coordinates of
     the bodies; the last ``positions`` of them are positions, of axle boxes, twisted axles and rails; the last ``rails``
-    of these are displacements of rails. sliders: places of the unknowns of friction.
+    of these are displacements of rails. sliders: places of the unknowns of friction; wagons: of mass times way of
+    vehicles that move along the track alone, whose masses [kg] follow.
     """
 
     units = 1
@@ -57,6 +58,8 @@ class ForceLaw:
     """Whether its forces belong to a state alone, so that an explicit method can take a step."""
     dampers = positions = rails = 0
     sliders: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
+    wagons: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
+    masses: Array = np.zeros(0)
 
     def __init__(self, function: Forces) -> None:
         self._function = function
@@ -181,6 +184,7 @@ def force_derivative(
     change[dampers] = np.inf  # these coordinates have no meaning, their rates are extensions
     change_t[dampers] = SMALL_EXTENSION
     change_t[forces.sliders] = SMALL_SLIP
+    change[forces.wagons], change_t[forces.wagons] = SMALL["x"] * forces.masses, SMALL_RATE * forces.masses
     with np.errstate(divide="ignore"):
         step = np.minimum(change / abs(by_q), change_t / abs(by_q_t))
     step[~np.isfinite(step)] = SMALL_EXTENSION

@@ -52,8 +52,9 @@ class VehicleOnTrack(Layout):
 
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
-    places of x), ``axles`` moments and slip of drive and brakes on each wheelset (records AXLE of ``dynamics.loads``),
-    ``distance`` that of the reference body along the centre line.
+    places of x), ``readings`` those between vehicles that move along the track alone as well, ``axles`` moments and
+    slip of drive and brakes on each wheelset (records AXLE of ``dynamics.loads``), ``distance`` that of the reference
+    body along the centre line.
     """
 
     compiled = True
@@ -100,7 +101,8 @@ class VehicleOnTrack(Layout):
         views = self.workspace.views
         self._units = views[vehicle_forces.UNITS]
         self.elements = views[vehicle_forces.ELEMENTS]
-        self.records = views[vehicle_forces.READINGS].view(np.float64).reshape(-1, 6)
+        self.readings = views[vehicle_forces.READINGS].view(np.float64).reshape(-1, 6)
+        self.records = self.readings[: len(vehicle.elements)]
         self._loads = views[vehicle_forces.LOADS]
         self.axles = views[vehicle_forces.AXLES]
         first, count = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
@@ -265,7 +267,7 @@ class VehicleOnTrack(Layout):
     def search_starts(self, places: Array) -> Array:
         """Where searches on the track begin (n, seeds), for ``places`` (n, wheelsets, 3)."""
         parts, distance = self.vehicle.parts, places[:, 0, :1] - self.vehicle.wheelsets[0].x
-        units = np.array([parts[unit.reference].centre[0] for unit in self.vehicle.units])
+        units = np.array([unit.x for unit in self.vehicle.pulled])
         loads = np.array([parts[load.body].centre[0] for load in self._loads])
         wheels = places[:, :, 1:].reshape(len(places), -1)[:, : len(self._records_of_wheels)]
         return np.hstack([distance + units, distance + loads + self._loads["point"]["x"], wheels])
@@ -343,7 +345,7 @@ class VehicleOnTrack(Layout):
     def equivalent(self, stroke: Stroke, t: float, q: Array, q_t: Array) -> AbstractContextManager[None]:
         self.at(t, q, q_t)
         tables = self.workspace.views[vehicle_forces.TABLES]
-        return self._elements_as(equivalent_elements(self.elements, self.records, tables, stroke))
+        return self._elements_as(equivalent_elements(self.elements, self.readings, tables, stroke))
 
     @contextmanager
     def _elements_as(self, elements: Any) -> Iterator[None]:

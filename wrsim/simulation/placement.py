@@ -102,6 +102,7 @@ def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[
         )
         if i >= wheelsets:  # on a grade it lies along the track
             q[6 * i + SPIN] = -asin(path_kernels.frame_at(track.centre.curve, place).t.z)
+    q_t[law.wagons] = law.masses * law.speed
     turn_gears(law, q_t)
     return q, q_t
 

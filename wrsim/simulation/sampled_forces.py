@@ -26,9 +26,10 @@ class SampledForces:
         with law.following():  # the first state from a cold start
             self._buffer = workspace.buffer.copy() if law.compiled else workspace.buffer
         kept: dict[str, Any] = {
-            "reading": law.records, "loss": law.elements["loss"], "unit": views[vehicle_forces.UNITS],
+            "reading": law.readings, "loss": law.elements["loss"], "unit": views[vehicle_forces.UNITS],
             "load": views[vehicle_forces.LOADS], "axle": law.axles,
         }  # fmt: skip
+        kept |= {"wagon": views[vehicle_forces.WAGONS]["loss"]} if len(law.wagons) else {}
         for i, model in enumerate(wheel.model for pair in law.wheels for wheel in pair):
             rows = model.arrays.rows
             kept |= {f"patches {i}": rows.patches, f"total {i}": rows.total, f"pose {i}": rows.pose}
@@ -66,7 +67,8 @@ class SampledForces:
 
     def of(self, name: str, n: int) -> Any:
         """What the law knows of the first n states, (n, ...): ``reading`` of all elements and their ``loss``, records
-        ``unit``, ``load``, ``axle``; of every wheel ``pose``, ``total``, ``patches``, ``strips``, its number behind."""
+        ``unit``, ``load``, ``axle``, the loss ``wagon`` of vehicles along the track alone; of every wheel ``pose``,
+        ``total``, ``patches``, ``strips``, its number behind."""
         there, kind, shape = self._layout[name]
         return self._rows[:n, there].view(kind).reshape(n, *shape)
 

@@ -23,6 +23,7 @@ from wrsim.simulation.system import COORDINATES, Array
 from wrsim.track.path_kernel import frame_at
 from wrsim.vehicle.dynamics import rigid_body as kernels
 from wrsim.vehicle.dynamics.kinematics import HEADING, X, Y
+from wrsim.vehicle.dynamics.vehicle_forces import FRAMES
 
 SMALL_WHEELSET = {"z": 1e-5, "x": 1e-3, "y": 1e-4, "heading": 1e-4, "roll": 1e-5, "spin": 1e-2}
 SMALL_BODY = {"z": 1e-4, "x": 1e-3, "y": 1e-3, "heading": 1e-3, "roll": 1e-3, "spin": 1e-4}
@@ -89,8 +90,9 @@ class SteadyMotion:
     """Forces less inertia forces of a vehicle in steady motion about the axis of the curve that it is in.
 
     Unknowns, six a body: its coordinates, of a wheelset the spin rate (less that of free rolling) in the place of the
-    spin angle; the pitch of the axle boxes; the twist of axles (of independent wheels its rate); elastic modes; of
-    elastic rails their displacements under the wheels. ``residual(x)``, ``state(x)``, and back ``unknowns(q, q_t)``.
+    spin angle; the pitch of the axle boxes; the way of vehicles along the track alone; the twist of axles (of
+    independent wheels its rate); elastic modes; of elastic rails their displacements under the wheels.
+    ``residual(x)``, ``state(x)``, and back ``unknowns(q, q_t)``.
 
     In place of x, y and heading stand those against the arc at the start, as residual forces do: the drive alone holds
     the vehicle along the track, and a way along it does not lead into a flange.
@@ -119,22 +121,33 @@ class SteadyMotion:
         of_wheelset, of_body = ([small[name] for name in COORDINATES] for small in (SMALL_WHEELSET, SMALL_BODY))
         of_twists = np.where(independent, SMALL_TURN, SMALL_TWIST)
         of_modes = [SMALL_BODY["z"]] * len(law.modes)
-        behind = [[SMALL_BOX] * len(vehicle.boxes), of_twists, of_modes, [SMALL_RAIL] * law.rails]
+        behind = [
+            [SMALL_BOX] * len(vehicle.boxes),
+            [ALONG] * len(law.wagons),
+            of_twists,
+            of_modes,
+            [SMALL_RAIL] * law.rails,
+        ]
         self.small = np.concatenate([np.tile(of_wheelset, w), np.tile(of_body, n - w), *behind])
         if law.units > 1:
             self.small[X : 6 * n : 6] = ALONG
         self.difference = np.full(self.small.size, DIFFERENCE)
         for coupling in vehicle.couplings:
             for name in (coupling.ahead, coupling.behind):
-                part = 6 * vehicle.index(name)
-                self.difference[part : part + 6] = COUPLED
+                self.difference[self.unknowns_of(vehicle.index(name))] = COUPLED
         rails = () if law.elastic is None else np.tile(law.elastic.mass, law.rails // 2)
         twisting = (0.25 * law.bodies[i].inertia[1] for i in law.twists)
         modal = np.concatenate([np.zeros(0), *(part.masses for part in law.attachments.modes.values())])
         if law.deck is not None:
             modal = np.append(modal, law.deck.masses)
-        self.masses = np.array([*(box.inertia[1] for _, box in vehicle.boxes.values()), *twisting, *modal, *rails])
+        of_boxes = (box.inertia[1] for _, box in vehicle.boxes.values())
+        self.masses = np.array([*of_boxes, *np.ones(len(law.wagons)), *twisting, *modal, *rails])
         self._out, self._inertia, self._weight = np.zeros(law.size), np.zeros(6 * n), vehicle.weight
+
+    def unknowns_of(self, body: int) -> range:
+        """The unknowns of a body, or of a vehicle that moves along the track alone, by its number."""
+        n = len(self.inertia)
+        return range(6 * body, 6 * body + 6) if body < n else range(5 * n + body - FRAMES, 5 * n + body - FRAMES + 1)
 
     def terms(self) -> Terms:
         """Forces without contacts, by an unknown of every third vehicle at once; contacts, by one of all wheelsets."""
@@ -167,7 +180,7 @@ class SteadyMotion:
         if self.law.units < 2:
             return None
         held = np.zeros(self.small.size)
-        held[[6 * unit.reference + COORDINATES.index("x") for unit in self.law.vehicle.units]] = HELD
+        held[[self.unknowns_of(unit.reference)[:2][-1] for unit in self.law.vehicle.units]] = HELD  # x of a body
         return held
 
     def state(self, x: Array) -> tuple[Array, Array]:
@@ -178,6 +191,7 @@ class SteadyMotion:
         """Unknowns of a steady state near (q, q_t)."""
         n = len(self.inertia)
         x = np.concatenate([q[: 6 * n], q[self.positions]])
+        x[6 * n + self.law.wagons - self.positions.start] /= self.law.masses
         self._to_track(x[: 6 * n])
         x[self.spins] = 0.0
         _, rates, _ = self._state(x)
@@ -220,6 +234,8 @@ class SteadyMotion:
         q[self.spins] = 0.0
         q[self.positions] = x[6 * n :]
         q[self.turns], q_t[self.turns] = 0.0, x[self.turning]
+        q[law.wagons] *= law.masses
+        q_t[law.wagons] = law.masses * law.speed
         q_t[law.sliders] = self.slips
         turning, _, status = kernels.follow_together(
             q, x[self.spins], law.track.centre.curve, law.vehicle.reference, self.distance, law.speed, q_t[: 6 * n]
@@ -332,7 +348,7 @@ def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> None:
 
     In a curve a long body lies along the chord, far inside of the centre line.
     """
-    boxes = len(steady.law.vehicle.boxes)
+    boxes = len(steady.law.vehicle.boxes) + len(steady.law.wagons)
     bodies = slice(6 * len(steady.spins), 6 * len(steady.inertia) + boxes)
     if bodies.start == bodies.stop:
         return
@@ -355,6 +371,7 @@ def _largest(law: VehicleOnTrack, left: Array) -> tuple[tuple[str, float], ...]:
     names = law.vehicle.names
     places = [f"{name} {coordinate}" for name in names for coordinate in COORDINATES]
     places += [f"{name} pitch" for name in law.vehicle.boxes]
+    places += [f"{name} along" for name in law.vehicle.wagons]
     places += [f"{names[i]} twist" for i in law.twists]
     places += [f"{names[i]} mode {k + 1}" for i in law.attachments.modes for k in range(len(law.modes_of(i)))]
     places += ["bridge"] * len(law.of_deck) + ["rail"] * law.rails

@@ -2,6 +2,7 @@
 all unknowns in its state."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, get_args
 
 import numpy as np
@@ -22,6 +23,7 @@ from wrsim.vehicle.dynamics import friction, outputs, suspension, vehicle_forces
 from wrsim.vehicle.dynamics import loads as load_kernel
 from wrsim.vehicle.dynamics import rigid_body as body_kernel
 from wrsim.vehicle.dynamics import stepper as step_kernel
+from wrsim.vehicle.dynamics import wagons as wagon_kernel
 from wrsim.vehicle.dynamics import wheel_forces as wheel_kernel
 from wrsim.vehicle.dynamics.suspension import ELEMENT
 from wrsim.vehicle.elements import Tables
@@ -39,7 +41,8 @@ class Layout(ForceLaw):
     """Places of the unknowns in the state of a vehicle: six coordinates a body, wheelsets first, then ``dampers``
     unknowns, ``size`` in all.
 
-    The last ``positions`` of them are positions: the pitch of the axle boxes, the twist of axles whose wheels turn
+    The last ``positions`` of them are positions: the pitch of the axle boxes, mass times way of
+    vehicles that move along the track alone (``wagons``), the twist of axles whose wheels turn
     against each other (``twists``, by wheelset), the elastic modes (``modes``: where they are) of parts and of the
     bridge ``deck`` (``of_deck``; ``pushed`` where wheels push it themselves), and ``rails`` displacements of the rails
     under the wheels on what is ``beneath`` them. ``attachments``: where elastic parts are held. ``sliders``: places of
@@ -60,7 +63,8 @@ class Layout(ForceLaw):
         self.rails = 0 if self.beneath is None else RAIL_COORDINATES * len(vehicle.wheelsets)
         elastic = self.attachments.count + (0 if self.deck is None else len(self.deck.frequencies))
         self.boxes = box_records(vehicle, self.attachments)
-        self.positions = len(vehicle.boxes) + len(twisting) + elastic + self.rails
+        self.masses = np.array([wagon.mass for wagon in vehicle.wagons.values()])
+        self.positions = len(vehicle.boxes) + len(self.masses) + len(twisting) + elastic + self.rails
         self.dampers = self.tables.unknowns + 2 * len(vehicle.drives) + self.positions
         self.size = size = 6 * len(self.bodies) + self.dampers
         first = size - self.positions - 2 * len(vehicle.drives)
@@ -71,6 +75,7 @@ class Layout(ForceLaw):
         self.pushed = self.of_deck[: None if self.beneath is None else 0]
         self.twists = {wheelset: self.modes.start - len(twisting) + j for j, wheelset in enumerate(twisting)}
         self.boxes["coordinate"] = size - self.positions + np.arange(len(vehicle.boxes))
+        self.wagons = size - self.positions + len(vehicle.boxes) + np.arange(len(self.masses))
 
     def coordinates_of_units(self, alone: bool = False) -> list[NDArray[np.intp]]:
         """Places of the unknowns of every vehicle of a train, those of couplings with the vehicle ahead, without rails;
@@ -79,10 +84,12 @@ class Layout(ForceLaw):
         bodies = len(self.bodies)
         boxes = [wheelset for wheelset, _ in self.vehicle.boxes.values()]
         held = self.attachments.owners
-        unit_of = np.zeros(bodies + vehicle_forces.FRAMES + len(boxes) + len(held), dtype=int)
+        behind = bodies + vehicle_forces.FRAMES + len(boxes)
+        unit_of = np.zeros(behind + len(self.wagons) + len(held), dtype=int)
         for k, unit in enumerate(self.vehicle.units):
-            unit_of[list(unit.parts)] = k
-        unit_of[bodies + vehicle_forces.FRAMES :] = unit_of[[*boxes, *held]]
+            unit_of[list(unit.parts) or unit.reference] = k
+        unit_of[behind - len(boxes) : behind] = unit_of[boxes]
+        unit_of[behind + len(self.wagons) :] = unit_of[held]
         owner = np.full(self.size, -1)
         owner[: 6 * bodies] = np.repeat(unit_of[:bodies], 6)
         for row in self.elements:
@@ -95,6 +102,7 @@ class Layout(ForceLaw):
             owner[6 * bodies + np.array(places, dtype=int)] = unit_of[row.first]
         first = self.size - self.positions
         owner[first : first + len(boxes)] = unit_of[boxes]
+        owner[self.wagons] = unit_of[behind : behind + len(self.wagons)]
         for wheelset, place in self.twists.items():
             owner[place] = unit_of[wheelset]
         for wheelset, place in self.gears.items():
@@ -118,11 +126,12 @@ def element_records(
     vehicle: Vehicle, tables: Tables, attachments: Attachments
 ) -> tuple[NDArray[np.record], list[Preload]]:
     """Records of all elements, and the preloads that hold the vehicle in its design position; fills the tables."""
-    rows = np.zeros(len(vehicle.elements), ELEMENT)
+    elements = (*vehicle.elements, *vehicle.chain)
+    rows = np.zeros(len(elements), ELEMENT)
     rows["state"] = rows["normal"] = -1
-    held = preloads(vehicle)
-    normals = normal_loads(vehicle, held)
-    for row, element, preload, normal in zip(rows, vehicle.elements, held, normals, strict=True):
+    held = [*preloads(vehicle), *(Preload(np.array(element.preload), np.zeros(3)) for element in vehicle.chain)]
+    normals = normal_loads(replace(vehicle, elements=elements), held)
+    for row, element, preload, normal in zip(rows, elements, held, normals, strict=True):
         start, end = (
             tuple(np.subtract(point, vehicle.place(name)).tolist())
             for name, point in zip((element.first, element.second), element.points, strict=True)
@@ -158,7 +167,8 @@ def vehicle_arrays(
     ``pieces_of_motion``.
     """
     vehicle = layout.vehicle
-    frames = len(layout.bodies) + vehicle_forces.FRAMES + len(vehicle.boxes) + len(layout.attachments.owners)
+    held = len(vehicle.boxes) + len(vehicle.wagons) + len(layout.attachments.owners)
+    frames = len(layout.bodies) + vehicle_forces.FRAMES + held
     loads, load_tables = _loads(vehicle)
     efforts, effort_tables = _efforts(vehicle)
     axles, units = _axles_and_units(layout)
@@ -182,7 +192,19 @@ def vehicle_arrays(
         effort_tables,
         units,
         *_modes(layout),
+        *_wagons(layout, float(motion["distance"][0])),
     ]
+
+
+def _wagons(layout: Layout, start: float) -> list[Any]:
+    """Records of the vehicles that move along the track alone, from their start [m] on, and the steps of the brakes."""
+    vehicle, rows, pipe = layout.vehicle, np.zeros(len(layout.wagons), wagon_kernel.WAGON), layout.vehicle.brakes
+    members = (member for member in vehicle.members if member.wagon is not None)
+    for row, wagon, member, place in zip(rows, vehicle.wagons.values(), members, layout.wagons, strict=True):
+        row.mass, row.place, row.half, row.coordinate = wagon.mass, start + wagon.x, 0.5 * wagon.pivots, place
+        (row.constant, row.linear, row.square), row.curve = wagon.resistance, wagon.curve_resistance
+        row.brake, row.delay, row.filling = member.brake, member.delay, 1.0 if pipe is None else pipe.filling
+    return [rows, np.array(() if pipe is None else pipe.changes, dtype=float).reshape(-1, 2)]
 
 
 def _modes(layout: Layout) -> list[Any]:
@@ -281,10 +303,10 @@ def _axles_and_units(layout: Layout) -> tuple[NDArray[np.record], NDArray[np.rec
         row.holder, row.motor, row.gear = vehicle.index(d.case), vehicle.index(d.motor), layout.gears[w]
         row.ratio, row.rotor, row.turning = d.ratio, d.rotor_inertia, d.inertia
         row.stiffness, row.damping = d.stiffness, d.damping
-    units = np.zeros(len(vehicle.units), load_kernel.UNIT)
-    for k, (row, unit) in enumerate(zip(units, vehicle.units, strict=True)):
+    units = np.zeros(len(vehicle.pulled), load_kernel.UNIT)
+    for k, (row, unit) in enumerate(zip(units, vehicle.pulled, strict=True)):
         row.mass, row.inertia, row.driven = unit.pulled_mass, unit.pulled_inertia, unit.driven
-        row.body, row.ahead = unit.reference, vehicle.parts[unit.reference].centre[0]
+        row.body, row.ahead = unit.reference, unit.x
         row.axles = len(unit.wheelsets)
         for i in unit.wheelsets:
             axles[i].unit = k

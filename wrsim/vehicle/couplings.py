@@ -91,16 +91,23 @@ class GearTable(Section, header="[couplings.draw] or [couplings.buff]"):
         return tuple((2.0 * t, f) for t, f in rows)
 
     def element(
-        self, name: str, kind: str, gap: Gap, ends: tuple[Triple, Triple], free: float = 0.0, held: float = 0.0
+        self,
+        name: str,
+        kind: str,
+        gap: Gap,
+        ends: tuple[Triple, Triple],
+        free: float = 0.0,
+        held: float = 0.0,
+        count: int = 1,
     ) -> Strut:
         """The gear between two hinges, ahead and behind [m]: it pulls, or as a buffer pushes, beyond ``free`` [m] of
-        travel; held: its force at rest [N]."""
+        travel; held: its force at rest [N]; count: of those side by side that it stands for."""
         sign = 1.0 if kind == DRAW else -1.0
-        law = self.law
+        law = tuple((t, count * f) for t, f in self.law)
         strokes, forces = np.transpose(law)
         begin, (end, most) = free - float(np.interp(held, forces, strokes)), law[-1]
         rows = [(begin - FAR, 0.0), *((begin + t, f) for t, f in law)]
-        rows.append((begin + end + FAR, most + 1e3 * self.solid_stiffness_kN_per_m * FAR))
+        rows.append((begin + end + FAR, most + count * 1e3 * self.solid_stiffness_kN_per_m * FAR))
         table = tuple(sorted((sign * t, sign * f) for t, f in rows))
         slider = None
         if self.friction_share:
@@ -130,17 +137,25 @@ class BuffersTable(GearTable, header="[couplings.buffers]"):
     def elements(self, gap: Gap, free: float, held: float) -> Iterator[Element]:
         """Springs and plates of both sides: two spheres push along the line between their centres. free: distance of
         the heads at rest [m]; held: force of each at rest [N]."""
-        z, radius = self.height_mm / 1e3, self.head_radius_mm / 1e3
         for side, y in (("left", self.half_spacing_mm / 1e3), ("right", -self.half_spacing_mm / 1e3)):
-            centres = (gap.x + 0.5 * free + radius, y, z), (gap.x - 0.5 * free - radius, y, z)
             name = f"{gap.name} buffer {side}"
-            yield self.element(name, BUFFER, gap, centres, free, held)
+            yield self.element(name, BUFFER, gap, self._centres(gap, free, y), free, held)
             if self.plate_friction:
                 normal = Normal(name, 1.0, 0, -1.0)
                 stick = 1e3 * self.plate_stick_stiffness_kN_per_m
                 slider = Slider("coulomb", stick, friction=self.plate_friction, normal=normal)
-                point = (gap.x, y, z)
+                point = (gap.x, y, self.height_mm / 1e3)
                 yield PlaneFriction(f"{gap.name} plates {side}", PLATES, gap.ahead, gap.behind, point, 0, slider=slider)
+
+    def pair(self, gap: Gap, free: float, held: float) -> Strut:
+        """Both sides as one in the middle; held: force of each at rest [N]."""
+        centres = self._centres(gap, free, 0.0)
+        return self.element(f"{gap.name} buffers", BUFFER, gap, centres, free, 2.0 * held, count=2)
+
+    def _centres(self, gap: Gap, free: float, y: float) -> tuple[Triple, Triple]:
+        """Centres of the spheres of one side, ahead and behind [m]."""
+        far, z = 0.5 * free + self.head_radius_mm / 1e3, self.height_mm / 1e3
+        return (gap.x + far, y, z), (gap.x - far, y, z)
 
 
 class CouplingTable(Choice, header="[[couplings]]"):
@@ -164,6 +179,10 @@ class CouplingTable(Choice, header="[[couplings]]"):
 
     def elements(self, gap: Gap) -> Iterator[Element]:
         raise NotImplementedError
+
+    def along(self, gap: Gap) -> Iterator[Element]:
+        """The elements between two vehicles that move along the track alone."""
+        return self.elements(gap)
 
     def _hinges(self, gap: Gap) -> tuple[Triple, Triple]:
         """Hinges of the vehicles ahead and behind [m]."""
@@ -196,6 +215,10 @@ class ScrewCouplingTable(CouplingTable, kind="screw"):
         hinges = self._hinges(gap)
         yield self.draw.element(f"{gap.name} draw gear", DRAW, gap, hinges, self.slack_mm / 1e3, held)
         yield from self.buffers.elements(gap, self.gap, 0.5 * held)
+
+    def along(self, gap: Gap) -> Iterator[Element]:
+        yield next(iter(self.elements(gap)))
+        yield self.buffers.pair(gap, self.gap, 0.5e3 * self.pretension_kN)
 
 
 class CentreCouplerTable(CouplingTable, kind="centre"):

@@ -97,7 +97,7 @@ def doubts(vehicle: Vehicle, known: Collection[str] = ()) -> list[str]:
     wrong; what follows from that has no sentence of its own.
     """
     sentences, seen = [], set()
-    for member in [vehicle.alone(k) for k in range(len(vehicle.members))] or [vehicle]:
+    for member in [vehicle.alone(k) for k, member in enumerate(vehicle.members) if member.wagon is None] or [vehicle]:
         moved = motions(member)
         springs = _Springs.build(member, moved)
         kind = tuple(

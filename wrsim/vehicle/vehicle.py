@@ -24,13 +24,53 @@ from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
 
 @dataclass(frozen=True)
 class Member:
-    """A vehicle of a train: its name, numbers of its wheelsets and bodies, and whether a drive of its own holds its
-    speed; if not, its couplings alone pull it."""
+    """A vehicle of a train: its name, numbers of its wheelsets and bodies, whether a drive of its own holds its speed
+    (if not, its couplings alone pull it), largest force of its brakes [N], and the delay of a command to them [s].
+    wagon: one that moves along the track alone, without wheelsets and bodies."""
 
     name: str
     wheelsets: int
     bodies: int
     driven: bool = True
+    brake: float = 0.0
+    delay: float = 0.0
+    wagon: Wagon | None = None
+
+
+@dataclass(frozen=True)
+class Wagon:
+    """A vehicle that moves along the track alone (``dynamics.wagons``): mass [kg], place x of its middle, distance of
+    its pivots [m]; resistance a + b v + c v^2 (a, b, c) [N, N s/m, N s2/m2], in a curve m g k / R more, k [m]."""
+
+    name: str
+    mass: float
+    x: float
+    pivots: float
+    resistance: Triple = ZERO
+    curve_resistance: float = 0.0
+
+
+@dataclass(frozen=True)
+class BrakePipe:
+    """How brakes of a train follow a command: it runs along the pipe at a speed [m/s], and where it arrives the force
+    goes to its new value with a time constant [s]. steps: rows (time [s], share of the largest force)."""
+
+    propagation: float
+    filling: float
+    steps: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def changes(self) -> tuple[tuple[float, float], ...]:
+        """Rows (time [s], change of the share)."""
+        before = (0.0, *(share for _, share in self.steps))
+        return tuple((t, share - last) for (t, share), last in zip(self.steps, before, strict=False))
+
+    def share(self, times: Array) -> Array:
+        """Share of the largest force at times (n,) [s] less the delay of the vehicle."""
+        since = [np.maximum(times - t, 0.0) for t, _ in self.changes]
+        return sum(
+            (c * -np.expm1(-s / self.filling) for s, (_, c) in zip(since, self.changes, strict=True)), 0.0 * times
+        )
 
 
 @dataclass(frozen=True)
@@ -48,7 +88,8 @@ class Coupling:
 @dataclass(frozen=True)
 class Unit:
     """A vehicle of a train, or one on its own: places of its wheelsets and bodies in the state, its reference part,
-    whether it is driven, and the mass that its drive moves, without and with the inertia of what turns [kg]."""
+    whether it is driven, and the mass that its drive moves, without and with the inertia of what turns [kg]; x: of
+    its reference part in the design position [m]. One that moves along the track alone has no parts."""
 
     wheelsets: range
     bodies: range
@@ -56,6 +97,7 @@ class Unit:
     driven: bool
     pulled_mass: float
     pulled_inertia: float
+    x: float
 
     @property
     def parts(self) -> tuple[int, ...]:
@@ -150,7 +192,8 @@ class Vehicle:
     frame holds sits in its bogie, ahead of the centre [m]: in a curve of curvature kappa the frame is turned by
     -guide_ahead kappa. drive: what holds the speed unless a scenario gives another. gravity: acceleration [m/s2].
     efforts, slip_control: of motors and brakes, in runs; drives: motors with gears, which these go through.
-    members, couplings: of a train, from front to rear; its bodies and elements are those of all of its vehicles.
+    members, couplings: of a train, from front to rear; its bodies and elements are those of all of its vehicles; chain:
+    elements between two vehicles that move along the track alone; brakes: how its brakes follow a command.
     """
 
     name: str
@@ -170,6 +213,8 @@ class Vehicle:
     drives: tuple[GearedMotor, ...] = ()
     members: tuple[Member, ...] = ()
     couplings: tuple[Coupling, ...] = ()
+    chain: tuple[Element, ...] = ()
+    brakes: BrakePipe | None = None
 
     def __repr__(self) -> str:
         counted = f"{len(self.wheelsets)} wheelsets, {len(self.bodies)} bodies, {len(self.elements)} elements"
@@ -196,8 +241,32 @@ class Vehicle:
         return tuple(part.name for part in self.parts)
 
     def index(self, name: str) -> int:
-        """Place of a part in the state; behind the last one come the track frame, the guide frame, the axle boxes."""
-        return (*self.names, TRACK, GUIDE, *self.boxes).index(name)
+        """Place of a part in the state; behind the last one come the track frame, the guide frame, the axle boxes, and
+        vehicles that move along the track alone."""
+        return (*self.names, TRACK, GUIDE, *self.boxes, *self.wagons).index(name)
+
+    @property
+    def foremost(self) -> float:
+        """Place of the first wheelset, or of the middle of a vehicle along the track alone ahead of it [m]."""
+        return max([*(mounted.x for mounted in self.wheelsets), *(wagon.x for wagon in self.wagons.values())])
+
+    @property
+    def assumptions(self) -> str:
+        """What is assumed of the vehicles of a train that move along the track alone, in a line; else nothing."""
+        wagons, pipe = self.wagons.values(), self.brakes
+        if not wagons:
+            return ""
+        mass = sum(wagon.mass for wagon in wagons) / 1e3
+        resistances = any(any(wagon.resistance) for wagon in wagons), any(wagon.curve_resistance for wagon in wagons)
+        running, curve = ("given" if each else "none" for each in resistances)
+        brakes = "none" if pipe is None else f"command at {pipe.propagation:g} m/s, time constant {pipe.filling:g} s"
+        along = f"{len(wagons)} of {len(self.members)} vehicles along the track alone, {mass:.6g} t"
+        return f"{along}; running resistance {running}, curve resistance {curve}; brakes {brakes}"
+
+    @cached_property
+    def wagons(self) -> dict[str, Wagon]:
+        """The vehicles of a train that move along the track alone, by their names, from front to rear."""
+        return {member.name: member.wagon for member in self.members if member.wagon is not None}
 
     @cached_property
     def boxes(self) -> dict[str, tuple[int, AxleBox]]:
@@ -213,6 +282,8 @@ class Vehicle:
         if name in self.boxes:
             w, box = self.boxes[name]
             return (self.wheelsets[w].x, box.y, self.wheelsets[w].height)
+        if name in self.wagons:
+            return (self.wagons[name].x, 0.0, 0.0)
         return ZERO if name in (TRACK, GUIDE) else self.parts[self.index(name)].centre
 
     @property
@@ -235,20 +306,31 @@ class Vehicle:
     def reference(self) -> int:
         """Place of the reference part of the (first) vehicle: its heaviest body, or its first wheelset; its distance is
         that of the vehicle."""
-        return self.units[0].reference
+        return self.pulled[0].reference
+
+    @property
+    def pulled(self) -> tuple[Unit, ...]:
+        """The vehicles that a drive may pull: those in full, then those along the track alone that are driven."""
+        full = tuple(unit for unit in self.units if unit.parts)
+        return (*full, *(unit for unit in self.units if unit.driven and not unit.parts))
 
     @cached_property
     def units(self) -> tuple[Unit, ...]:
         """The vehicles of a train, from front to rear, else this one; driven ones share the masses of the others."""
         masses, turning = [part.mass for part in self.parts], self._turning
-        first, body = 0, len(turning)
+        first, body, wagons = 0, len(turning), self.index(GUIDE) + 1 + len(self.boxes)
         units: list[Unit] = []
         for member in self.members or (Member(self.name, len(self.wheelsets), len(self.bodies)),):
+            if (wagon := member.wagon) is not None:
+                units.append(Unit(range(0), range(0), wagons, member.driven, wagon.mass, wagon.mass, wagon.x))
+                wagons += 1
+                continue
             wheelsets, bodies = range(first, first + member.wheelsets), range(body, body + member.bodies)
             reference = max(bodies, key=masses.__getitem__, default=first)
             mass = sum(masses[i] for i in (*wheelsets, *bodies))
             moved = mass + sum(turning[i] for i in wheelsets)
-            units.append(Unit(wheelsets, bodies, reference, member.driven, mass, moved))
+            x = self.parts[reference].centre[0]
+            units.append(Unit(wheelsets, bodies, reference, member.driven, mass, moved, x))
             first, body = wheelsets.stop, bodies.stop
         driven = [unit for unit in units if unit.driven]
         if len(driven) == len(units) or not driven:
@@ -281,9 +363,26 @@ class Vehicle:
         return replace(self, loads=tuple(held))
 
     @property
+    def braked_wheelsets(self) -> list[Effort]:
+        """The brakes of the vehicles in full as moments, alike on the wheelsets of each. The exponential lag has ten
+        rows a time constant: lines between them are within 1/8 (1/10)^2, 0.13 % of the largest force."""
+        efforts: list[Effort] = []
+        pipe = self.brakes
+        for member, unit in zip(self.members, self.units, strict=True):
+            if pipe is None or member.brake == 0.0 or not pipe.steps:
+                continue
+            behind = np.concatenate([t + pipe.filling * np.arange(0.0, 10.05, 0.1) for t, _ in pipe.steps])
+            shares = pipe.share(times := np.unique(behind))
+            for wheelset in (self.wheelsets[i] for i in unit.wheelsets):
+                largest = member.brake * wheelset.wheelset.mean_radius / len(unit.wheelsets)
+                rows = zip((times + member.delay).tolist(), (-largest * shares).tolist(), strict=True)
+                efforts.append(Effort(wheelset.name, tuple(rows)))
+        return efforts
+
+    @property
     def moved_mass(self) -> float:
         """Mass with that of what turns, its inertia over the square of the radius [kg]."""
-        return self.mass + sum(self._turning)
+        return self.mass + sum(self._turning) + sum(wagon.mass for wagon in self.wagons.values())
 
     @property
     def _turning(self) -> list[float]:
@@ -295,7 +394,13 @@ class Vehicle:
     def acceleration(self, time: float, distance: float) -> float:
         """Acceleration by the efforts at a time [s], the vehicle's origin at a distance [m], without losses [m/s2]."""
         radii = {mounted.name: mounted.wheelset.mean_radius for mounted in self.wheelsets}
-        return sum(e.moment(time, distance) / radii[e.wheelset] for e in self.efforts) / self.moved_mass
+        force = sum(e.moment(time, distance) / radii[e.wheelset] for e in self.efforts)
+        if self.brakes is not None:
+            brakes, delays = np.array(
+                [(m.brake, m.delay) for m in self.members if m.wagon is not None] or [(0.0, 0.0)]
+            ).T
+            force -= float(brakes @ self.brakes.share(time - delays))
+        return force / self.moved_mass
 
     def loaded_as_at(self, distance: float) -> Vehicle:
         """The vehicle with the loads that it has at time 0 with its origin at a distance [m], as constant ones."""
@@ -320,6 +425,8 @@ class Vehicle:
             slip_control=None,
             members=(),
             couplings=(),
+            chain=(),
+            brakes=None,
         )
 
     def with_wheelsets(self, change: Callable[[Wheelset], Wheelset]) -> Vehicle:

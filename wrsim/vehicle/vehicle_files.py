@@ -20,10 +20,10 @@ from wrsim.inputs.values import repeated
 from wrsim.vehicle.assembly import Assembly, Place
 from wrsim.vehicle.couplings import Gap
 from wrsim.vehicle.element_tables import Axes
-from wrsim.vehicle.elements import GUIDE, TRACK, Element
+from wrsim.vehicle.elements import GUIDE, TRACK, ZERO, Element
 from wrsim.vehicle.out_of_round import parts_of
 from wrsim.vehicle.preload import Ballast, normal_loads, preloads, with_ballast
-from wrsim.vehicle.vehicle import Coupling, Member, Vehicle, single_wheelset
+from wrsim.vehicle.vehicle import BrakePipe, Coupling, Member, Vehicle, Wagon, single_wheelset
 from wrsim.vehicle.vehicle_sections import MemberTable, TrainFile, VehicleFile, WheelsetFile, WheelsetTable
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
@@ -215,40 +215,67 @@ def _train(file: TrainFile, finder: Finder, locate: Locate, changes: Mapping[str
         raise fault(("couplings",), reason)
     tables = file.couplings if len(file.couplings) == gaps else file.couplings * gaps
     vehicles: list[Vehicle] = []
+    members: list[Member] = []
     couplings: list[Coupling] = []
     between: list[Element] = []
-    rear, ahead = 0.0, ("", "")
+    chain: list[Element] = []
+    rear, middle, ahead = 0.0, 0.0, ("", "")
     for k, (i, table, name) in enumerate(named):
         half, sign = 0.5 * table.length_mm / 1e3, -1.0 if table.reversed else 1.0
         nose = half + sign * table.middle_mm / 1e3  # of its front end before its origin
         front = rear - tables[k - 1].gap if k else nose
-        place = Place(f"{name}.", Axes((front - nose, 0.0, 0.0), (sign, sign, 1.0)))
-        try:
-            vehicle = _member(finder.find(table.model), finder, place, changes.get(table.name, ()))
-        except InputError as error:
-            raise fault(("vehicles", i, "model"), str(error)) from None
-        vehicles.append(vehicle)
-        if wrong := _member_fault(vehicle, name, table, vehicles[0].gravity, front, front - 2.0 * half):
-            raise fault(("vehicles", i, wrong[0]), wrong[1], getattr(table, wrong[0]))
-        behind = (name, f"{name}.{table.body}" if table.body else vehicle.names[vehicle.reference])
+        if table.brake_force_kN is not None and file.brakes is None:
+            raise fault(("vehicles", i, "brake_force_kN"), "goes with [brakes], the brake pipe of the train")
+        member = _member_of(table, name, front - half)
+        if table.model is None:
+            behind = (name, name)
+        else:
+            place = Place(f"{name}.", Axes((front - nose, 0.0, 0.0), (sign, sign, 1.0)))
+            try:
+                vehicle = _member(finder.find(table.model), finder, place, changes.get(table.name, ()))
+            except InputError as error:
+                raise fault(("vehicles", i, "model"), str(error)) from None
+            vehicles.append(vehicle)
+            if wrong := _member_fault(vehicle, name, table, vehicles[0].gravity, front, front - 2.0 * half):
+                raise fault(("vehicles", i, wrong[0]), wrong[1], getattr(table, wrong[0]))
+            behind = (name, f"{name}.{table.body}" if table.body else vehicle.names[vehicle.reference])
+            member = replace(member, wheelsets=len(vehicle.wheelsets), bodies=len(vehicle.bodies))
+        middle = middle if k else front - half
+        if file.brakes is not None:
+            member = replace(member, delay=(middle - front + half) / file.brakes.propagation_m_per_s)
+        members.append(member)
         if k:
             coupling = tables[k - 1]
             gap = Gap(f"{ahead[0]}-{name}", ahead[1], behind[1], 0.5 * (rear + front))
-            new = tuple(coupling.elements(gap))
+            alone = members[-2].wagon is not None and member.wagon is not None
+            new = tuple(coupling.along(gap) if alone else coupling.elements(gap))
             point = (gap.x, 0.0, coupling.height_mm / 1e3)
             couplings.append(Coupling(gap.name, gap.ahead, gap.behind, point, tuple(element.name for element in new)))
-            between += new
+            (chain if alone else between).extend(new)
         rear, ahead = front - 2.0 * half, behind
+    if not vehicles:
+        raise fault(("vehicles",), "has no vehicle in full, with a model: a run looks at one at least")
     lists = ("wheelsets", "bodies", "elements", "loads", "payloads", "points", "drives")
     parts: dict[str, Any] = {key: tuple(part for v in vehicles for part in getattr(v, key)) for key in lists}
     parts["elements"] += tuple(between)
-    members = tuple(
-        Member(name, len(vehicle.wheelsets), len(vehicle.bodies), table.driven)
-        for (_, table, name), vehicle in zip(named, vehicles, strict=True)
-    )
+    pipe = file.brakes
     return Vehicle(
-        file.name, source=file.source, gravity=vehicles[0].gravity, members=members, couplings=tuple(couplings), **parts
-    )
+        file.name, source=file.source, gravity=vehicles[0].gravity, members=tuple(members), chain=tuple(chain),
+        brakes=None if pipe is None else BrakePipe(pipe.propagation_m_per_s, pipe.filling_s),
+        couplings=tuple(couplings), **parts,
+    )  # fmt: skip
+
+
+def _member_of(table: MemberTable, name: str, x: float) -> Member:
+    """A vehicle of a train with its middle at x [m]; of one in full the parts are not counted yet."""
+    wagon = None
+    if table.mass_t is not None:
+        a, b, c = table.resistance_N or ZERO
+        resistance = (a, 3.6 * b, 3.6**2 * c)
+        pivots = (table.pivot_spacing_mm or 0.0) / 1e3
+        wagon = Wagon(name, 1e3 * table.mass_t, x, pivots, resistance, table.curve_resistance_m or 0.0)
+    driven = wagon is None if table.driven is None else table.driven
+    return Member(name, 0, 0, driven, 1e3 * (table.brake_force_kN or 0.0), wagon=wagon)
 
 
 def _member(path: Path, find: Finder, place: Place, changes: Sequence[Change]) -> Vehicle:

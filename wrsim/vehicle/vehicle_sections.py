@@ -375,13 +375,33 @@ class VehicleFile(ModelFile, PartTable):
 
 
 class MemberTable(Section, header="[[vehicles]]"):
-    """[[vehicles]]: a vehicle of a train, or several alike, one behind the other."""
+    """[[vehicles]]: a vehicle of a train, or several alike, one behind the other: in full, or along the track alone."""
 
-    model: Annotated[str, text('a vehicle file such as "vehicles/manchester_1.toml"')]
-    """File of the vehicle."""
+    one_of: ClassVar[tuple[str, ...]] = ("model mass_t",)
+    together: ClassVar[tuple[str, ...]] = ("mass_t pivot_spacing_mm",)
+    goes_with: ClassVar[dict[str, str]] = {
+        "middle_mm": "model", "body": "model", "reversed": "model", "resistance_N": "mass_t",
+        "curve_resistance_m": "mass_t",
+    }  # fmt: skip
+
+    model: Annotated[str, text('a vehicle file such as "vehicles/manchester_1.toml"')] | None = None
+    """File of the vehicle, which is modelled in full."""
+    mass_t: Annotated[float, positive(1000, "t")] | None = None
+    """Mass of a vehicle that moves along the track alone, with one degree of freedom, in place of a file."""
+    pivot_spacing_mm: Annotated[float, positive(100_000, "mm between the pivots of its bogies")] | None = None
+    """Distance of its pivots, which stay on the centre line; its ends swing with them."""
+    resistance_N: (
+        Annotated[Three[Annotated[float, number(0, 1e6)]], Field(description="three numbers a, b, c not below 0")]
+        | None
+    ) = None
+    """Running resistance a + b V + c V2 in N, V in km/h; none unless given."""
+    curve_resistance_m: Annotated[float, number(0, 10, "m, some 0.7")] | None = None
+    """k of the curve resistance, weight times k over the radius; none unless given."""
+    brake_force_kN: Annotated[float, positive(1e4, "kN at the rails")] | None = None
+    """Largest force of its brakes; goes with [brakes] of the train, and none unless given."""
     name: Name
     """Its name; names of its bodies follow behind a dot, and several alike are numbered: coach1, coach2."""
-    count: Annotated[int, number(1, 100)] = 1
+    count: Annotated[int, number(1, 1000)] = 1
     """How many of them run one behind the other."""
     length_mm: Annotated[float, positive(200_000, "mm over buffers or couplers, as coupled")]
     """Its length between the planes in which it meets its neighbours."""
@@ -391,12 +411,22 @@ class MemberTable(Section, header="[[vehicles]]"):
     """Body that its couplings hold on to; the heaviest unless given."""
     reversed: bool = False
     """Whether it runs the other way round."""
-    driven: bool = True
-    """Whether a drive of its own holds its speed; if not, its couplings alone take it along."""
+    driven: bool | None = None
+    """Whether a drive of its own holds its speed; if not, its couplings alone take it along. Unless given a vehicle in
+    full is driven, and one along the track alone is not."""
 
     @property
     def names(self) -> list[str]:
         return [self.name] if self.count == 1 else [f"{self.name}{k + 1}" for k in range(self.count)]
+
+
+class BrakesTable(Section, header="[brakes]"):
+    """[brakes]: how the brakes of a train follow a command from the middle of its first vehicle."""
+
+    propagation_m_per_s: Annotated[float, positive(2000, "m/s, some 250 to 280")]
+    """Speed at which a command runs along the brake pipe."""
+    filling_s: Annotated[float, positive(100, "s")]
+    """Time constant with which the force of a vehicle goes to its new value, up and down."""
 
 
 class TrainFile(ModelFile, header="a train file"):
@@ -408,3 +438,5 @@ class TrainFile(ModelFile, header="a train file"):
     """Its vehicles, from front to rear."""
     couplings: Annotated[List[AnyCouplingTable], Field(min_length=1)]
     """One for all gaps between them, or one for each gap from front to rear."""
+    brakes: BrakesTable | None = None
+    """Brake pipe; a train without one does not brake by itself."""

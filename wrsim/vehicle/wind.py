@@ -57,7 +57,7 @@ class Air:
     ) -> Vehicle:
         """The vehicle, or each of a train, in a wind along its way (`felt`); across: as `loads` takes it."""
         loads = list(vehicle.loads)
-        for unit in vehicle.units:
+        for unit in (unit for unit in vehicle.units if unit.parts):
             centres = [vehicle.parts[i].centre[0] for i in (*unit.wheelsets, *unit.bodies)]
             way = felt(largest, begins, peak, max(centres) - min(centres), gusty)
             loads += self.loads(vehicle, *way, running, on=unit.reference, **across)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from wrsim.inputs.section import SIDES
+from wrsim.jit.frames import BODY
 from wrsim.simulation.bodies import accelerations, inertia_table
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
@@ -15,7 +16,9 @@ from wrsim.simulation.system import COORDINATES, Array
 from wrsim.track import path_kernel as path_kernels
 from wrsim.track.track import Track
 from wrsim.vehicle.axle import AxleModes
+from wrsim.vehicle.dynamics import vehicle_forces
 from wrsim.vehicle.dynamics.rigid_body import kinetic_energies
+from wrsim.vehicle.dynamics.wagons import place_wagons
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.vehicle import MeasuringPoint, Vehicle
 
@@ -221,7 +224,8 @@ Z = COORDINATES.index("z")
 
 
 def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
-    """Kinetic energy of all bodies with their modes, axle boxes and geared motors, and m g z of all bodies, (samples,)
+    """Kinetic energy of all bodies with their modes, axle boxes and geared motors, and m g z of all bodies, of a train
+    with its vehicles along the track alone, (samples,)
     [J]."""
     vehicle, n = law.vehicle, 6 * len(law.bodies)
     mass = np.array([body.mass for body in law.bodies])
@@ -230,22 +234,33 @@ def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Arra
     first = law.size - law.positions
     for j, (_, box) in enumerate(vehicle.boxes.values()):
         kinetic += 0.5 * box.inertia[1] * q_t[:, first + j] ** 2
+    kinetic += 0.5 * q_t[:, law.wagons] ** 2 @ (1.0 / law.masses)
     for drive, place in zip(vehicle.drives, law.gears.values(), strict=True):
         kinetic += 0.5 * drive.inertia * q_t[:, place + 1] ** 2
     for wheelset, twist in law.twists.items():
         kinetic += 0.125 * law.bodies[wheelset].inertia[1] * q_t[:, twist] ** 2
     for part, modes in law.attachments.modes.items():
         kinetic += 0.5 * q_t[:, law.modes_of(part)] ** 2 @ modes.masses
-    return {"kinetic_energy": kinetic, "potential_energy": vehicle.gravity * q[:, Z:n:6] @ mass}
+    heights = [_Moved(law, q, name).position[:, 2] for name in vehicle.wagons]
+    potential = q[:, Z:n:6] @ mass + law.masses @ np.reshape(heights, (-1, len(q)))
+    return {"kinetic_energy": kinetic, "potential_energy": vehicle.gravity * potential}
 
 
 def power_channels(law: VehicleOnTrack, q_t: Array, known: SampledForces, n: int) -> dict[str, Array]:
-    """Power that creep takes, power that dampers and friction of the suspension and of axles take, and power of the
-    pull along the track (samples,) [W], of the first n samples that are known; q_t: their rates."""
+    """Power that creep takes; that dampers and friction of the suspension and of axles take, and brakes, resistance and
+    gears of vehicles along the track alone; and that of the pull along the track (samples,) [W], of the first n samples
+    that are known; q_t: their rates."""
     creep, pull = np.zeros(n), np.zeros(n)
     for i in range(2 * len(law.wheels)):
         creep += known.of(f"total {i}", n)["wear"][:, 0] * known.of(f"pose {i}", n)[:, 6]
-    dampers = known.of("loss", n).sum(axis=1) + known.of("axle", n)["loss"].sum(axis=1)
+    count, speeds = len(law.vehicle.elements), q_t[:, law.wagons] / law.masses
+    dampers = known.of("loss", n)[:, :count].sum(axis=1) + known.of("axle", n)["loss"].sum(axis=1)
+    if speeds.size:
+        dampers += known.of("wagon", n).sum(axis=1)
+        # friction settles within a step: what gears take and give is smooth, what it takes alone is not
+        first, chain = law.vehicle.index(next(iter(law.vehicle.wagons))), law.elements[count:]
+        apart = speeds[:, chain["first"] - first] - speeds[:, chain["second"] - first]
+        dampers += (known.of("reading", n)[:, count:, 0] * apart).sum(axis=1)
     for wheelset, twist in law.twists.items():
         torsion = law.vehicle.wheelsets[wheelset].wheelset.torsion
         dampers += 0.0 if torsion is None else torsion.damping * q_t[:, twist] ** 2
@@ -253,26 +268,30 @@ def power_channels(law: VehicleOnTrack, q_t: Array, known: SampledForces, n: int
         rates = 4.0 * np.pi * modes.frequencies * modes.damping * modes.masses
         dampers += q_t[:, law.modes_of(part)] ** 2 @ rates
     if law.drive == "train":
-        for force, unit in zip(known.of("unit", n)["force"].T, law.vehicle.units, strict=True):
-            pull += force * np.linalg.norm(q_t[:, 6 * unit.reference : 6 * unit.reference + 3], axis=1)
+        for force, unit in zip(known.of("unit", n)["force"].T, law.vehicle.pulled, strict=True):
+            alone = unit.reference - len(law.bodies) - vehicle_forces.FRAMES - len(law.vehicle.boxes)
+            ways = q_t[:, 6 * unit.reference : 6 * unit.reference + 3] if unit.parts else speeds[:, [alone]]
+            pull += force * np.linalg.norm(ways, axis=1)
     return {"creep_power": creep, "damper_power": dampers, "pull_power": pull}
 
 
 def coupling_channels(law: VehicleOnTrack, q: Array, records: Array) -> dict[str, Array]:
     """Forces of the couplings and how the ends of their vehicles lie to each other, each (samples, couplings).
 
-    q: states (samples, .); records: readings of all elements (samples, elements, 6). Forward, left and up are those in
+    q: states (samples, .); records: readings of all elements, also of
+    those between vehicles that move along the track alone (samples, elements, 6). Forward, left and up are those in
     the middle between both bodies, but for the lateral forces: each is along the left of the body that it acts on.
     """
     vehicle = law.vehicle
     names = ("force", "fy_ahead", "fy_behind", "fz", "extension", "offset", "yaw")
     channels = {f"coupling_{name}": np.zeros((len(q), len(vehicle.couplings))) for name in names}
-    numbers = {element.name: i for i, element in enumerate(vehicle.elements)}
+    elements = (*vehicle.elements, *vehicle.chain)
+    numbers = {element.name: i for i, element in enumerate(elements)}
     for c, coupling in enumerate(vehicle.couplings):
         ahead, behind = _Moved(law, q, coupling.ahead), _Moved(law, q, coupling.behind)
         force = np.zeros((len(q), 3))  # on the vehicle behind
         for i in (numbers[name] for name in coupling.elements):
-            element = vehicle.elements[i]
+            element = elements[i]
             if not element.turns_with_first:  # along its line
                 line = behind.point(element.points[1]) - ahead.point(element.points[0])
                 force -= records[:, i, :1] * line / np.linalg.norm(line, axis=1, keepdims=True)
@@ -296,8 +315,16 @@ class _Moved:
 
     def __init__(self, law: VehicleOnTrack, q: Array, name: str) -> None:
         i = law.vehicle.index(name)
+        self.centre = np.array(law.vehicle.place(name))
+        if name in law.vehicle.wagons:
+            k, n, moved = list(law.vehicle.wagons).index(name), len(q), np.zeros(len(q), BODY)
+            samples = np.repeat(law.workspace.views[vehicle_forces.WAGONS][k], n)  # one after the other, as if wagons
+            samples["coordinate"] = np.arange(n)
+            place_wagons(q[:, law.wagons[k]].copy(), np.zeros(n), samples, law.track.centre.curve, moved, 0)
+            vectors = moved.view(np.float64).reshape(len(q), 6, 3)
+            self.position, self.axes = vectors[:, 0], vectors[:, 2:5]
+            return
         coordinates = q[:, 6 * i : 6 * i + 6]
-        self.centre = np.array(law.vehicle.parts[i].centre)
         self.position, self.axes = coordinates[:, [1, 2, 0]], body_axes(coordinates)
 
     def point(self, place: tuple[float, float, float]) -> Array:

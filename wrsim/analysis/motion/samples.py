@@ -134,6 +134,7 @@ class Samples:
         vehicle, track = law.vehicle, setup.track
         times, (q, q_t), forces = self._times[:n], self._states[:, :n], known.forces[:n]
         readings, axles, units = (known.of(name, n) for name in ("reading", "axle", "unit"))
+        records = readings[:, : len(vehicle.elements)]
         moved = np.zeros((n, len(vehicle.wheelsets), 2, 2))  # rails under the wheels: left and right, lateral and up
         if law.rails:
             moved = q[:, law.size - law.rails :].reshape(moved.shape)
@@ -160,7 +161,7 @@ class Samples:
             of_wheelsets.append(channels)
         stacked = stack_wheelsets(of_wheelsets)
         stacked |= {"distance": units["s"][:, 0], "drive_force": units["force"].sum(axis=1)}
-        stacked |= states.guide_channels(law, times, readings)
+        stacked |= states.guide_channels(law, times, records)
         stacked |= states.deck_channels(law, q, forces[:, law.of_deck])
         if law.twists:
             stacked |= states.twist_channels(law, q, q_t)
@@ -184,8 +185,8 @@ class Samples:
             if self._points:
                 stacked |= {f"point_a{axis}": accelerations[:, :split, k] for k, axis in enumerate("xyz")}
         if vehicle.elements:
-            stacked |= {f"suspension_f{axis}": readings[:, :, k] for k, axis in enumerate("xyz")}
-            stacked |= {f"suspension_d{axis}": readings[:, :, 3 + k] for k, axis in enumerate("xyz")}
+            stacked |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
+            stacked |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
         if vehicle.couplings:
             stacked |= states.coupling_channels(law, q, readings)
         if vehicle.loads:

@@ -72,7 +72,9 @@ def _steady_start(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibr
         LOGGER.info("steady motion at the start: %s", setup.vehicle.name)
         return on_the_rails(law, steady_alone(law, enough))
     q, q_t = np.zeros((2, law.size))
-    for k, places in enumerate(law.coordinates_of_units(alone=True)):
+    q_t[law.wagons] = law.masses * law.speed
+    units = law.coordinates_of_units(alone=True)
+    for k, places in ((k, units[k]) for k, unit in enumerate(setup.vehicle.units) if unit.parts):
         alone = replace(setup, vehicle=setup.vehicle.alone(k))
         LOGGER.info("steady motion at the start: %s", alone.vehicle.name)
         of_one = force_law(alone, law.speed, held_by(alone))

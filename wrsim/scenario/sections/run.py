@@ -173,7 +173,7 @@ class RunSection(PlanTable, header="[run]"):
             yield Fault("channels_at_hz", most)
 
     def plan(self, given: PlanContext) -> RunPlan:
-        ahead = max(mounted.x for mounted in given.vehicle.wheelsets)
+        ahead = given.vehicle.foremost
         last = given.track.length - ahead
         start, end = self.start_distance_m, last
         room = f"must lie on the track, which is {given.track.length:.6g} m long"

@@ -49,7 +49,7 @@ class PlanContext:
         if isinstance(self.speed_kmh, SpeedTable):
             return self.speed_kmh.profile(start)
         speed = (self.speed_kmh or 0.0) / 3.6
-        if self.drive == "free" and vehicle.efforts and not vehicle.runs_with_frame:
+        if self.drive == "free" and (vehicle.efforts or vehicle.brakes) and not vehicle.runs_with_frame:
             return SpeedProfile.under(vehicle.acceleration, speed, start, end, LOWEST / 3.6)
         return SpeedProfile.constant(speed)
 

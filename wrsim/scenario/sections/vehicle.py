@@ -106,6 +106,16 @@ class SlipControlTable(Section, header="[vehicle.slip_control]"):
             yield Fault("creepage", "or slip_kmh must be above 0: at a limit of 0 no moment would be given")
 
 
+_Shares = Annotated[RisingRows[Row], within(0, 1, "of the largest force")]
+
+
+class BrakesTable(Section, header="[vehicle.brakes]"):
+    """A command to the brakes of a train, which follow it along its brake pipe, in runs."""
+
+    time_s_share: _Shares[Annotated[Two[float], Field(description="two numbers [time s, share of the largest force]")]]
+    """Share of the largest force of each vehicle that is asked for from a time on; none before the first row."""
+
+
 class VehicleSection(Section, header="[vehicle]"):
     """Which vehicle runs, how fast, and what differs from its file.
 
@@ -153,6 +163,8 @@ class VehicleSection(Section, header="[vehicle]"):
     """How wheels are out of round, beside what the vehicle's file says."""
     efforts: List[EffortTable] = ()
     """Moments of motors and brakes on single axles, in runs."""
+    brakes: BrakesTable | None = None
+    """Command to the brakes of a train with a brake pipe."""
     slip_control: SlipControlTable | None = None
     """Protection of all axles against sliding and spinning."""
 

@@ -117,7 +117,7 @@ UNIT = record("""
     axles   [int] number of axles
     driven  [int] 1: the vehicle is driven
 """)
-"""A vehicle, alone or in a train."""
+"""A vehicle, alone or in a train; one that moves along the track alone has no axles."""
 
 EFFORT = record("""
     side  [1]   wheels that the moment acts on: +1 left, -1 right, 0 both
@@ -219,7 +219,7 @@ def add_drive(
             slower = reference.speed - dot(body.velocity, track.t)
             pull = unit.mass * DRIVE_RATE * (DRIVE_RATE * (reference.distance + unit.ahead - s) + 2.0 * slower)
             pull += unit.inertia * reference.acceleration
-            if drive == TRAIN:
+            if drive == TRAIN or unit.axles == 0:
                 accumulate(wrenches[unit.body].force, scale(pull, track.t))
         unit.force = pull
     for j in range(axles.shape[0]):

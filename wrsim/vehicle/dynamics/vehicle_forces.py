@@ -7,6 +7,7 @@ wheelset after wheelset. The coordinates are, in this order:
 - one for every damper in series with a spring and every unknown of a slider or of a geared motor (dynamics.loads): its
   rate is the unknown, its "force" the rate of that, on a mass of 1; the coordinate itself means nothing;
 - the pitch of every axle box (dynamics.rigid_body), on an inertia of 1;
+- mass times way of every vehicle of a train that moves along the track alone (dynamics.wagons);
 - the twist of every axle whose wheels may turn against each other: theta_t is the spin of the left wheel less that of
   the right one. With half of the wheelset's inertia J about the axle at each of them and the moments M about the axle
   of what acts on left and right wheel
@@ -27,8 +28,8 @@ wheelset after wheelset. The coordinates are, in this order:
   it lies on sleepers, and its "force" leads to the displacement that ``dynamics.sleepers`` foretells for the wheel's
   force at the end of the step.
 
-Two frames follow the last body, and behind these the axle boxes and the attachments of elastic bodies; springs may be
-fixed to all of them. The track frame
+Two frames follow the last body, and behind these the axle boxes, the vehicles that move along the track alone and the
+attachments of elastic bodies; springs may be fixed to all of them. The track frame
 follows the centre line at the run's speed (`motion_at`): it is evaluated, not integrated. The guide frame is the bogie
 that the vehicle's wheelset leads: it goes with the track frame, but lies along the chord of a curve, turned about b by
 -a kappa for an axle at a distance a ahead of the bogie's centre. Its springs turn with it; how fast the angle changes
@@ -58,15 +59,16 @@ from wrsim.vehicle.dynamics.flexible import (
 from wrsim.vehicle.dynamics.kinematics import SPIN, add_generalised_forces, kinematics
 from wrsim.vehicle.dynamics.rigid_body import AXLE_BOX, PITCH, hand_over, on_axle, pitched
 from wrsim.vehicle.dynamics.suspension import ELEMENT, READING, WRENCH, Suspension, suspension_forces
+from wrsim.vehicle.dynamics.wagons import WAGON, add_forces_on_wagons, place_wagons
 from wrsim.vehicle.dynamics.wheel_forces import ARRAYS, OFF_TRACK, place_on_rail, wheel_record, wheel_total
 
 # arrays before those of the wheels
 (
     WHOLE, PARTS, BODIES, WRENCHES, ELEMENTS, TABLES, READINGS, LOADS, LOAD_TABLES, CARRIED_MASSES, AXLES, CENTRE,
     AXLE_BOXES, MOTION, EFFORTS, EFFORT_TABLES, UNITS, MODES, ATTACHMENTS, SHAPES, GYROSCOPIC, DECKS,
-    DECK_SHAPES,
-) = range(23)  # fmt: skip
-FIRST_WHEEL = 23
+    DECK_SHAPES, WAGONS, BRAKE_STEPS,
+) = range(25)  # fmt: skip
+FIRST_WHEEL = 25
 
 RAIL = record("""
     mass      [kg]    mass
@@ -150,7 +152,9 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
     put_body(bodies[n + 1], guide)
     boxes = records(buffer, index, AXLE_BOXES, AXLE_BOX)
     modes, attachments = records(buffer, index, MODES, MODE), records(buffer, index, ATTACHMENTS, ATTACHMENT)
-    shapes, behind = block(buffer, index, SHAPES), n + FRAMES + boxes.shape[0]
+    wagons, first_wagon = records(buffer, index, WAGONS, WAGON), n + FRAMES + boxes.shape[0]
+    shapes, behind = block(buffer, index, SHAPES), first_wagon + wagons.shape[0]
+    place_wagons(q, q_t, wagons, centre, bodies, first_wagon)
     deform(q, q_t, modes, attachments, shapes, bodies, behind)
     for j in range(boxes.shape[0]):
         coordinate, wheelset = boxes[j].coordinate, get_body(bodies[boxes[j].wheelset])
@@ -173,6 +177,8 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
     reference = loads.ReferenceMotion(s, speed, acceleration)
     lost |= loads.add_drive(reference, vehicle.drive, units, bodies, axles, centre, wrenches)
     efforts = loads.Efforts(records(buffer, index, EFFORTS, loads.EFFORT), matrix(buffer, index, EFFORT_TABLES))
+    steps = matrix(buffer, index, BRAKE_STEPS)
+    add_forces_on_wagons(t, q_t, vehicle.gravity, wagons, steps, wrenches, first_wagon, out)
     origin = units[0].s - units[0].ahead
     loads.add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, axles, wrenches, out)
     for j in range(axles.shape[0]):
