@@ -51,11 +51,11 @@ T = TypeVar("T")
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
-_CHECKED: ContextVar[Mapping[int, "Section"]] = ContextVar("_CHECKED")
+_CHECKED: ContextVar[Mapping[int, Any]] = ContextVar("_CHECKED")
 
 
 @contextmanager
-def checked_before(sections: Mapping[int, "Section"]) -> Iterator[None]:
+def checked_before(sections: Mapping[int, Any]) -> Iterator[None]:
     """Within this block tables are not checked again of which the sections are known, by their ``id``."""
     before = _CHECKED.set(sections)
     try:

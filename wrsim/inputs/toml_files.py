@@ -174,12 +174,6 @@ def noting_reads() -> Iterator[dict[Path, bytes]]:
             around.update(noted)
 
 
-def note_reads(contents: Mapping[Path, bytes]) -> None:
-    """Note files, whose contents are known from before, as read."""
-    if (read := _READ.get()) is not None:
-        read.update(contents)
-
-
 def parse_value(text: str) -> Any:
     """The value of a key as written in TOML; a text that is no value, such as a bare word, is taken as text."""
     try:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import Annotated, Any, Generic, TypeVar
+from typing import Annotated, Any, Generic, TypeVar, cast
 
 from wrsim.contact.profiles.files import noted
 from wrsim.contact.profiles.profile import Profile
@@ -18,7 +18,7 @@ from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.file_kinds import resolved
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import SIDES, on_side
-from wrsim.inputs.toml_files import note_reads, noting_reads, read_bytes
+from wrsim.inputs.toml_files import noting_reads, read_bytes
 from wrsim.inputs.values import number
 from wrsim.register import ANALYSES, Analysis
 from wrsim.scenario.kept import ATTRIBUTE, KeptFiles
@@ -134,14 +134,13 @@ def _shared(scenario: Scenario, what: str, names: tuple[str, ...], make: Callabl
     if "vehicle" in names and scenario.spec.vehicle.wind is None:
         tables["vehicle"] = {key: value for key, value in data["vehicle"].items() if key != "speed_kmh"}
     key = what, files, scenario.finder, repr(tables)
-    if (known := _SHARED.pop(key, None)) is None:
-        with noting_reads() as read:
-            known = read, make()
-    _SHARED[key] = known  # the last ones are those that are used
+    with noting_reads() as read:
+        reads, part = _SHARED.pop(key, None) or (read, make())
+        read.update(reads)
+    _SHARED[key] = reads, part  # the last ones are those that are used
     if len(_SHARED) > MOST_SHARED:
         del _SHARED[next(iter(_SHARED))]
-    note_reads(known[0])
-    return known[1]
+    return cast(T, part)
 
 
 def build(scenario: Scenario) -> Setup[Any]:

@@ -175,10 +175,8 @@ class Scenario:
             except InputError as error:
                 raise InputError(f"{owner}: {error}") from None
             owners |= {path[:end]: owner for end in range(new, len(path) + 1)}
-        tables = ((table, getattr(self.spec, name, None)) for name, table in data.items())
-        known = {id(table): section for table, section in tables if isinstance(section, Section)}
-        unchanged = known.keys() & map(id, self.merged.data.values())
-        with checked_before({table: known[table] for table in unchanged}):
+        unchanged = {name: table for name, table in self.merged.data.items() if data.get(name) is table}
+        with checked_before({id(table): getattr(self.spec, name, None) for name, table in unchanged.items()}):
             scenario = _checked(replace(self.merged, data=data, text="", owners=owners), self.path, self.finder)
         prefer(scenario.spec.units)
         return scenario

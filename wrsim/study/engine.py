@@ -24,6 +24,8 @@ Bar = Callable[[], AbstractContextManager[Progress | None]]
 """Makes a progress bar, or none."""
 Work = Callable[[Plan, Sequence[int]], None]
 """Writes a plan into its folder and runs some of its cases to their markers."""
+PAUSE = 1.0
+"""Between two questions to the scheduler how many workers there are [s]."""
 AT_HAND = 2
 """Cases that a worker has: the one it runs, and the next."""
 
@@ -117,6 +119,7 @@ def _handed_out(client: Client | Pool, plan: Plan, cases: Sequence[int], expecte
     digest, session = digest_of(plan.dumped()), secrets.token_hex(4)
     waiting = iter(cases)
     running: dict[str, int] = {}
+    asked, workers = float("-inf"), 0
 
     def submitted(index: int) -> Future | Call:
         key = f"{plan.cases[index].name}-{session}"
@@ -124,7 +127,10 @@ def _handed_out(client: Client | Pool, plan: Plan, cases: Sequence[int], expecte
         return client.submit(task.run_case, plan.folder, digest, index, key=key)
 
     def room() -> int:
-        return AT_HAND * max(expected, sum(client.nthreads().values())) - len(running)
+        nonlocal asked, workers
+        if (now := time.monotonic()) - asked > PAUSE:  # the scheduler has more to do than to count
+            asked, workers = now, sum(client.nthreads().values())
+        return AT_HAND * max(expected, workers) - len(running)
 
     begun = [submitted(i) for i in islice(waiting, room())]
     done = Completed(client, len(begun)) if isinstance(client, Pool) else as_completed(begun, loop=client.loop)

@@ -179,7 +179,7 @@ class Monitor:
         forces = self.watched["last"].copy()
         bend = np.abs(self.looked[0] - 2.0 * self.looked[1] + forces)
         self.looked[:] = self.looked[1], forces
-        most = float(np.nanmax(bend, initial=0.0))
+        most = float(np.fmax.reduce(bend, initial=0.0))
         growth = self._growth
         again = t - growth.looked >= PAUSE or most > 2.0 * growth.bend  # what grows doubles soon
         if most <= MISSED * self.mean_load or not again or self.law.on_sleepers is not None:
