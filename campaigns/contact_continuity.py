@@ -1,13 +1,15 @@
 """Jumps of the contact forces over lateral shift, yaw, approach and load.
 
     python campaigns/contact_continuity.py [--over shift yaw approach load] [--normal strips] [--strips 16] [--step 1]
-        [--pair 0 1 2 3 4] [--yaw 0 12] [--load 24 100] [--lateral 2 6]
+        [--pair 0 1 2 3 4] [--yaw 0 12] [--load 24 100] [--lateral 2 6] [--from -10 --to 10]
 
 A wheel is carried along a smooth path of heights: those at which Kik-Piotrowski bears the load, which is given or goes
 from 5 to 150 kN, or down from where the wheel touches its rail to where Kik-Piotrowski bears 150 kN. Where its force
 changes most from one step to the next the step is halved twelve times: what is left of the change is a jump. Prints the
 largest of them over the load, and the time of a pose. Steps of 20 um find the jumps of a sweep in a minute, steps of
 1 um the smaller ones too (loads go by as many kN). Over approach and load every lateral shift is swept at every yaw.
+Pairs 6 to 8 are not those of the other campaigns. Beside each jump over shift stand the contacts on both of its sides:
+strips, residuals, and of each grid its bounds and edges, in brackets if it does not touch.
 """
 
 import argparse
@@ -28,10 +30,12 @@ from wrsim.simulation.pose_solver import PoseSolver
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from support.sweeps import steepest
+from support.sweeps import HALVINGS, steepest
 
 STEEPEST = 12  # steps looked into
+SMALL = 0.005  # of the load: jumps whose sides are shown
 KNOTS = 31  # of the load over the approach
+OTHERS = (("S1002", "60E1_worn", 20), ("S1002_worn", "60E1_worn", 20), ("S1002_worn", "54E1", 30))
 LOADS = np.arange(5e3, 150e3 + 1.0, 5e3)  # [N]
 
 
@@ -95,12 +99,32 @@ def largest_jump(bench: PoseSolver, path: Way, start: float, end: float, step: f
     cost = 1e6 * (time.perf_counter() - began) / len(xs)
     jumps = steepest(forces_at, xs, STEEPEST, forces)
     where, worst = jumps[jumps[:, 1].argmax()].tolist()
-    return worst, f"{worst:9.4f} at {1e3 * where:8.4f}{len(xs):8d} poses{cost:8.0f} us"
+    found = f"{worst:9.4f} at {1e3 * where:8.4f}{len(xs):8d} poses{cost:8.0f} us"
+    width = step / 2.0**HALVINGS
+    for x in (
+        (where - width, where + 2.0 * width) if worst > SMALL and bench.wheels[0].model.normal.solves_for_strips else ()
+    ):
+        forces_at(x)
+        found += f"\n    {contact(bench)}"
+    return worst, found
+
+
+def contact(bench: PoseSolver) -> str:
+    """Strips, residuals and grids of the strip model's last contact, in words."""
+    rows = bench.wheels[0].model.arrays.rows
+    memo, grids = rows.memo[0], []
+    for grid in rows.grids[: memo["grids"]]:
+        ends = [f"{1e3 * grid[name]:.3f}" for name in ("least", "start", "end", "most")]
+        grids.append(" ".join(ends) if grid["active"] else f"({ends[0]} {ends[3]})")
+    return f"{memo['strips']} strips, {memo['iterations']} residuals; " + ", ".join(grids)
 
 
 def sweeps(both: Stand, chosen: argparse.Namespace) -> Iterator[tuple[str, Any]]:
     """All sweeps of a pair: in words, path with its ends."""
-    shifts, yaws = np.arange(-10e-3, 10e-3 + 1e-9, 2.5e-4), np.arange(-20e-3, 20e-3 + 1e-9, 5e-4)
+    shifts, yaws = (
+        np.arange(1e-3 * chosen.first, 1e-3 * chosen.to + 1e-9, 2.5e-4),
+        np.arange(-20e-3, 20e-3 + 1e-9, 5e-4),
+    )
     for load in chosen.load:
         for yaw in chosen.yaw if "shift" in chosen.over else ():
             yield (
@@ -129,13 +153,16 @@ def main() -> None:
     parser.add_argument("--yaw", type=float, nargs="+", default=[0.0, 12.0], help="[mrad]")
     parser.add_argument("--load", type=float, nargs="+", default=[24.0, 100.0], help="[kN]")
     parser.add_argument("--lateral", type=float, nargs="+", default=[2.0, 6.0], help="[mm]")
+    parser.add_argument("--from", dest="first", type=float, default=-10.0, help="Over shift [mm].")
+    parser.add_argument("--to", type=float, default=10.0, help="[mm]")
     parser.add_argument("--json", action="store_true", help="One line of numbers at the end.")
     chosen = parser.parse_args()
     ours = ContactSettings(normal=chosen.normal, strips=chosen.strips, tangential="none", damping=0.0)
     jumps: dict[str, float] = {}
     for number in chosen.pair:
-        both = Stand(PAIRS[number], chosen.strips)
-        bench = stand(PAIRS[number], ours)
+        pair = (*PAIRS, *OTHERS)[number]
+        both = Stand(pair, chosen.strips)
+        bench = stand(pair, ours)
         for words, (path, start, end) in sweeps(both, chosen):
             key = f"{both.name}, {words}"
             step = 1e-6 * chosen.step * (1e3 if words.endswith("load [kN]") else 1.0)
