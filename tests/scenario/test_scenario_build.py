@@ -18,7 +18,7 @@ from wrsim.inputs.checking import check_value
 from wrsim.inputs.file_kinds import resolved
 from wrsim.inputs.values import Series
 from wrsim.register import ANALYSES, TABLES
-from wrsim.scenario.build import Setup, build, sharing
+from wrsim.scenario.build import Setup, build
 from wrsim.scenario.plausibility import facts, warnings
 from wrsim.scenario.schema import ScenarioFile
 from wrsim.scenario.sections.static import read_cases
@@ -332,8 +332,7 @@ def test_cases_of_a_study_share_what_is_the_same_for_them(tmp_path: Path) -> Non
     digests = {str(rail): "before"}
 
     def built(changes: dict[str, object]) -> Setup:
-        with sharing(digests):
-            return build(base.with_values(changes))
+        return build(base.with_values(changes), digests)
 
     slow, fast = built({"vehicle.speed_kmh": 40.0}), built({"vehicle.speed_kmh": 60.0, "contact.friction": 0.2})
     alone = build(base.with_values({"vehicle.speed_kmh": 60.0, "contact.friction": 0.2}))

@@ -2,13 +2,11 @@
 
 import json
 from collections.abc import Callable, Hashable, Iterator, Mapping
-from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import Annotated, Any, Generic, TypeVar, cast
+from typing import Annotated, Any, Generic, TypeVar
 
 from wrsim.contact.profiles.files import noted
 from wrsim.contact.profiles.profile import Profile
@@ -42,7 +40,7 @@ from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Wheelset
 
 P = TypeVar("P")
-T = TypeVar("T")
+Digests = Mapping[str, str] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,49 +106,38 @@ class Setup(Generic[P]):
 
 MOST_SHARED = 12
 """Parts of set-ups that are stored for those that follow."""
-_FILES: ContextVar[frozenset[tuple[str, str]] | None] = ContextVar("_FILES", default=None)
 _SHARED: dict[Hashable, tuple[dict[Path, bytes], Any]] = {}
 
 
-@contextmanager
-def sharing(files: Mapping[str, str]) -> Iterator[None]:
-    """Within this block set-ups share vehicles, rails and tracks of equal tables with earlier ones of this process.
-
-    files: digests, which are those of now, of all files that the scenario names; others share nothing with it.
-    """
-    before = _FILES.set(frozenset(files.items()))
-    try:
-        yield
-    finally:
-        _FILES.reset(before)
-
-
-def _shared(scenario: Scenario, what: str, names: tuple[str, ...], make: Callable[[], T]) -> T:
+def _shared(digests: Digests, scenario: Scenario, what: str, names: list[str], make: Callable[[], Any]) -> Any:
     """What is made of these tables of a scenario; the vehicle does not depend on its speed, unless in the wind."""
-    if (files := _FILES.get()) is None:
+    if digests is None:
         return make()
     data = scenario.merged.data
     tables = {name: data.get(name) for name in ("analysis", "profiles", *names)}
     if "vehicle" in names and scenario.spec.vehicle.wind is None:
         tables["vehicle"] = {key: value for key, value in data["vehicle"].items() if key != "speed_kmh"}
-    key = what, files, scenario.finder, repr(tables)
+    key = what, frozenset(digests.items()), scenario.finder, repr(tables)
     with noting_reads() as read:
-        reads, part = _SHARED.pop(key, None) or (read, make())
+        reads, part = _SHARED.pop(key) if key in _SHARED else (read, make())
         read.update(reads)
     _SHARED[key] = reads, part  # the last ones are those that are used
     if len(_SHARED) > MOST_SHARED:
         del _SHARED[next(iter(_SHARED))]
-    return cast(T, part)
+    return part
 
 
-def build(scenario: Scenario) -> Setup[Any]:
+def build(scenario: Scenario, digests: Digests = None) -> Setup[Any]:
     """Read the models of a scenario and build vehicle, rails, track and contact.
+
+    digests: those of now, of all files that the scenario names, by their paths: vehicle, rails and track are shared
+    with earlier ones of this process of equal tables and files. Without them nothing is shared.
 
     Raises InputError when a model file is missing or faulty, when the track has no unique shape, when a run
     leaves the track, and when the wheels are not on the rails.
     """
     with noting_reads() as read, scenario.finder.guard():
-        setup = _build(scenario)
+        setup = _build(scenario, partial(_shared, digests, scenario))
         files = tuple(read)
         kept = KeptFiles.of(scenario.finder.folders, read)
         for file in scenario.merged.files:
@@ -159,26 +146,26 @@ def build(scenario: Scenario) -> Setup[Any]:
     return replace(setup, files=files, inputs=inputs, kept=kept)
 
 
-def _build(scenario: Scenario) -> Setup[Any]:
+def _build(scenario: Scenario, shared: Callable[..., Any]) -> Setup[Any]:
     spec, analysis = scenario.spec, ANALYSES[scenario.analysis]
-    vehicle = _shared(scenario, "vehicle", ("vehicle",), lambda: vehicle_of(scenario))
+    vehicle = shared("vehicle", ["vehicle"], lambda: vehicle_of(scenario))
     for key, message in _unfit(scenario, analysis, vehicle):
         raise scenario.fault(key, message)
-    rails = _shared(scenario, "rails", ("track",), lambda: rails_of(scenario))
-    track = _shared(scenario, "track", ("track",), lambda: track_of(scenario, rails))
+    rails = shared("rails", ["track"], lambda: rails_of(scenario))
+    track = shared("track", ["track"], lambda: track_of(scenario, rails))
 
-    def placed() -> tuple[RailSurface | None, RailSurface | None]:
+    def placed() -> Any:
         wheelsets = dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets)
         by_gauge_points = spec.track.gauge_between == "gauge points"
         for each in wheelsets if by_gauge_points else ():
             check_placement(scenario, each, rails, track)
-        surfaces = _shared(scenario, "surfaces", ("track",), lambda: surfaces_of(scenario, track))
+        surfaces = shared("surfaces", ["track"], lambda: surfaces_of(scenario, track))
         for each in wheelsets if by_gauge_points and not conical else ():
             check_flange_backs(scenario, each, rails, surfaces)
         return surfaces
 
     conical = spec.contact.conical is not None
-    surfaces = _shared(scenario, "cones" if conical else "wheels", ("vehicle", "track"), placed)
+    surfaces = shared("cones" if conical else "wheels", ["vehicle", "track"], placed)
     if any(surfaces) and not analysis.moves:
         message = f'are for runs: analysis = "{spec.analysis}" knows one profile of each rail'
         raise scenario.fault(("track", "rail_sections"), message)

@@ -89,7 +89,7 @@ class Plan:
 
     def base(self) -> Scenario:
         """The scenario that all cases start from."""
-        return _base(self.text, self.folders)
+        return load_text(self.text, self.folders[0], self.folders[1:])
 
     def scenario(self, case: Case, base: Scenario | None = None) -> Scenario:
         """The merged scenario of a case."""
@@ -102,12 +102,6 @@ class Plan:
 
 
 _PLAN = TypeAdapter(Plan)
-
-
-@lru_cache(maxsize=4)
-def _base(text: str, folders: tuple[str, ...]) -> Scenario:
-    """The scenario of a text and the folders with its models."""
-    return load_text(text, folders[0], folders[1:])
 
 
 @lru_cache(maxsize=4)

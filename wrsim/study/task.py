@@ -28,7 +28,7 @@ from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import Manifest, as_json
-from wrsim.scenario.build import build, sharing
+from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
 from wrsim.study.outputs import case_outputs
 from wrsim.study.plan import Case, Plan, changed_file, plan_in
@@ -239,8 +239,7 @@ def _run(scenario: Scenario, files: Mapping[str, str], part: Path, limit: float,
         if time.monotonic() > until:
             raise StopCase(fraction)
 
-    with sharing(files):
-        setup = build(scenario)
+    setup = build(scenario, files)
     if ANALYSES[scenario.analysis].moves and part.exists():
         try:
             marker.resumed = True
