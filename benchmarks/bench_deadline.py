@@ -5,12 +5,16 @@ a dip of the right rail as wheels see it at a crossing (3 mm deep, from wing to 
 300 m, all of it with ERRI low irregularities. Of the processor time of every step: mean, quantiles, the most, the share
 above 1 ms. Beside them what is left of the balance, and how far the bodies are from those of a usual run of the same
 track [mm rms, over all bodies, across the track and up]. Processor time of one evaluation of the forces tells how fast
-the machine is at that moment. Python's garbage collector is off while steps are timed.
+the machine is at that moment.
+
+The same in counts, which do not depend on the machine: residuals of the strip model a step (``strips.newton``), mean,
+quantiles, the most; steps and contacts that the budget left to be followed, the largest residual of these; page faults
+of all steps but the first hundred. Memory is locked and Python's garbage collector off while steps are timed.
 """
 
 import argparse
-import gc
 import json
+import resource
 import time
 from pathlib import Path
 from typing import Any
@@ -20,15 +24,18 @@ from bench_vehicle import MODELS, call_time
 
 from wrsim import load, stepper
 from wrsim.analysis.contacts import force_law
+from wrsim.analysis.motion.run import BENCH_BUDGET
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.system import BodySystem
+from wrsim.vehicle.dynamics import stepper as kernel
 
 ROOT = Path(__file__).parents[1]
 STEP = 1e-3
 EVERY = 10  # steps between two states that are compared
 DEADLINE = 1e-3  # [s]
+WARM = 100  # steps, of which page faults do not count
 KEYS: dict[str, Any] = {
     "vehicle.speed_kmh": 60.0,
     "track.rail_sections": [
@@ -42,6 +49,12 @@ KEYS: dict[str, Any] = {
 }
 
 
+def page_faults() -> int:
+    """Of this thread so far."""
+    used = resource.getrusage(resource.RUSAGE_THREAD)
+    return used.ru_minflt + used.ru_majflt
+
+
 def scenario_of(model: str, distance: float) -> Scenario:
     """The track with as long a curve as the distance [m] needs."""
     curve = [
@@ -53,26 +66,29 @@ def scenario_of(model: str, distance: float) -> Scenario:
     return load(ROOT / "scenarios/manchester_r300.toml").with_values(keys)
 
 
-def figures(scenario: Scenario, iterations: int) -> dict[str, float]:
-    """Times of the steps [us], and differences from a usual run [mm]."""
-    own = stepper(scenario, STEP, iterations)
+def figures(scenario: Scenario, iterations: int, budget: float) -> dict[str, float]:
+    """Times of the steps [us], counts, and differences from a usual run [mm]."""
+    own = stepper(scenario, STEP, iterations, budget)
     law, q, q_t = own.law, own.q.copy(), own.q_t.copy()
     scratch = np.zeros(law.size)
     evaluation = call_time(lambda: law(0.0, q, q_t, scratch), 200)
     own.step()  # what is compiled is compiled
-    own = stepper(scenario, STEP, iterations)
+    own = stepper(scenario, STEP, iterations, budget)
+    record = own.memory.views[kernel.STEP_RECORD][0]
     samples = int(build(scenario).plan.duration / STEP / EVERY)
     states, times = np.zeros((samples + 1, law.size)), np.zeros(samples * EVERY, dtype=np.int64)
-    states[0] = q
-    gc.collect()
-    gc.disable()
-    for k in range(samples):
-        for j in range(EVERY):
-            began = time.thread_time_ns()
-            own.step()
-            times[k * EVERY + j] = time.thread_time_ns() - began
-        states[k + 1] = own.q
-    gc.enable()
+    states[:], work, faults = q, np.zeros(len(times)), 0
+    with own.deadline() as problem:
+        for k in range(samples):
+            for j in range(EVERY):
+                began = time.thread_time_ns()
+                own.step()
+                times[k * EVERY + j] = time.thread_time_ns() - began
+                work[k * EVERY + j] = record.work
+            states[k + 1] = own.q
+            faults = page_faults() if k == WARM // EVERY else faults
+        faults = page_faults() - faults
+    print(f"memory is not locked: {problem}" if problem else "memory is locked")
     usual = force_law(build(scenario))
     motion = Integration(
         BodySystem(usual.bodies, usual), duration=samples * EVERY * STEP, step=2 * STEP, weight=usual.vehicle.weight,
@@ -92,6 +108,14 @@ def figures(scenario: Scenario, iterations: int) -> dict[str, float]:
         "q9999_us": np.quantile(us, 0.9999),
         "most_us": us.max(),
         "above_1_ms": float((times > 1e9 * DEADLINE).mean()),
+        "residuals_mean": work.mean(),
+        "residuals_q99": np.quantile(work, 0.99),
+        "residuals_q9999": np.quantile(work, 0.9999),
+        "residuals_most": work.max(),
+        "followed_steps": own.followed.steps / len(times),
+        "followed_contacts": own.followed.contacts / (len(times) * iterations * 2 * len(law.wheels)),
+        "followed_left": own.followed.residual,
+        "page_faults": faults,
         "residual_most": own.residual[1],
         "across_mm": 1e3 * float(np.sqrt((across**2).mean())),
         "up_mm": 1e3 * float(np.sqrt((off[:, :, 0] ** 2).mean())),
@@ -105,13 +129,14 @@ def main() -> None:
     parser.add_argument("--models", nargs="*", choices=MODELS, default=list(MODELS))
     parser.add_argument("--distance", type=float, default=300.0, help="of the run [m]; an hour is 60000")
     parser.add_argument("--iterations", nargs="*", type=int, default=[2])
+    parser.add_argument("--budget", type=float, default=BENCH_BUDGET, help="residuals a wheel and evaluation; inf: any")
     chosen = parser.parse_args()
     found: dict[str, dict[int, dict[str, float]]] = {}
     for model in chosen.models:
         scenario = scenario_of(model, chosen.distance)
         found[model] = {}
         for iterations in chosen.iterations:
-            own = found[model][iterations] = figures(scenario, iterations)
+            own = found[model][iterations] = figures(scenario, iterations, chosen.budget)
             words = ", ".join(f"{name} {value:.3g}" for name, value in own.items())
             print(f"{model}, {iterations}: {words}", flush=True)
     print(json.dumps({"deadline": found}) if chosen.json else "")

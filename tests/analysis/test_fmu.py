@@ -136,7 +136,7 @@ def outputs(of: Any) -> bytes:
     return np.array(of.getFloat64([of.references[name] for name in names])).tobytes()
 
 
-COUNT = 11 * 7 + 7 * 4 + 2 * 20  # of bodies, wheelsets and struts of the coach
+COUNT = 2 + 11 * 7 + 7 * 4 + 2 * 20  # of contacts, bodies, wheelsets and struts of the coach
 
 
 def test_the_description_is_valid_and_the_scenario_in_the_unit_is_whole(file: Path, tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """The strip model: exact for Hertz, close to CONTACT on profiles, continuous where Kik-Piotrowski jumps."""
 
 import csv
+import time
 from pathlib import Path
 from typing import Any
 
@@ -28,10 +29,13 @@ from wrsim.contact.status import SUBSTITUTED
 from wrsim.contact.strips.derivatives import jacobian
 from wrsim.contact.strips.equations import block_of, residuals
 from wrsim.contact.strips.influence import displacement_at, find_terms
+from wrsim.contact.strips.newton import JACOBIAN_PRICE
 from wrsim.contact.strips.records import EDGES, VECTORS, V
 from wrsim.contact.surfaces.out_of_round import RadiusTable
 from wrsim.contact.tables import combined_modulus, influence_table
 from wrsim.contact.wheel_rail import wheel_rail
+from wrsim.jit import kernel
+from wrsim.jit.dense import invert
 
 table = rows_of(__file__)
 
@@ -93,6 +97,32 @@ def test_the_row_of_the_middle_is_that_of_the_table(t):
         terms.append(own[V.TERMS : V.TERMS + 5, 0])
     assert found[0] == pytest.approx(found[1], rel=1e-12)
     np.testing.assert_allclose(terms[0], terms[1], rtol=1e-12, atol=1e-15)
+
+
+@kernel
+def worked(system, n, count, derive):
+    """So many residuals, with Jacobians and their inverses or without."""
+    total = 0.0
+    for _ in range(count):
+        total += residuals(system, n)
+        if derive:
+            jacobian(system, n)
+            invert(system.matrix, system.memo[0].unknowns, system.vectors[V.PIVOT])
+    return total
+
+
+@pytest.mark.campaign
+def test_a_jacobian_with_its_inverse_takes_as_many_residuals_as_a_budget_counts():
+    stand = contacts.bench(contacts.pair_model("S1002/60E1 1:40", normal="strips"), rolling=False)
+    stand.evaluate(0.0, contacts.settle(stand, 0.0, 0.0, 60e3)[0].height, 0.0, 0.0)
+    system, n = contacts.strip_system(stand.wheels[0].model)
+    took = {False: np.inf, True: np.inf}
+    for _ in range(50):
+        for derive in took:
+            began = time.perf_counter()
+            worked(system, n, 20, derive)
+            took[derive] = min(took[derive], time.perf_counter() - began)
+    assert took[True] / took[False] - 1.0 == pytest.approx(JACOBIAN_PRICE, rel=0.4)
 
 
 @pytest.mark.parametrize(

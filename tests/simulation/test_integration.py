@@ -411,6 +411,58 @@ def test_steps_with_a_fixed_number_of_iterations_follow_the_usual_run() -> None:
     assert np.sqrt((off[:, :, 0] ** 2).mean()) < 5e-5
 
 
+DIPPED = load(ROOT / "scenarios/curve_r300.toml").with_values(
+    {
+        "contact.cells": 4,
+        "track.rail_sections": [
+            {"at_m": 20.0 + at, "rail": "rails/60E1.toml", "side": "right", "down_mm": down}
+            for at, down in ((-1.0, 0.0), (-0.3, 0.0), (0.0, 3.0), (0.3, 0.0), (1.0, 0.0))
+        ],
+        "run.start_distance_m": 15.0,
+    }
+)
+"""A wheelset with strips over a crossing's dip, where grids come and go."""
+
+
+def test_a_budget_of_residuals_bounds_every_step_and_what_is_followed_comes_back() -> None:
+    """Never more than it; one that no step needs changes no bit; one that is spent leaves .05 mm rms at most, is told
+    in the outputs, and nothing is followed any more behind the dip."""
+    benches = {budget: stepper(DIPPED, budget=budget) for budget in (np.inf, 1e5, 8.0)}
+    heights, told = {budget: [] for budget in benches}, []
+    for _ in range(600):
+        for budget, bench in benches.items():
+            bench.step()
+            heights[budget].append(bench.q.copy())
+        told.append([float(benches[8.0].outputs[f"contacts.{name}"][0]) for name in ("followed", "left")])
+    assert np.array_equal(heights[np.inf], heights[1e5])
+    free, bounded, shares = benches[np.inf].followed, benches[8.0].followed, np.array(told)
+    assert free.most > 4 * 8.0 and free[:3] == (0, 0, 0.0)  # two wheels, two evaluations
+    assert bounded.most <= 4 * 8.0
+    assert bounded[:3] == ((shares[:, 0] > 0.0).sum(), shares[:, 0].sum(), shares[:, 1].max())
+    assert 0 < bounded.steps < 60 and 0.0 < bounded.residual <= 1.0
+    assert not shares[450:].any()
+    off = np.array(heights[8.0])[:, :3] - np.array(heights[np.inf])[:, :3]
+    assert 0.0 < np.sqrt((off**2).mean()) < 5e-5
+    with pytest.raises(InputError, match=r"^budget = 1: must be 2 residuals"):
+        stepper(DIPPED, budget=1.0)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="counts of a thread are Linux's")
+def test_steps_with_a_deadline_take_no_page_fault() -> None:
+    resource = pytest.importorskip("resource")
+    bench = stepper(COACH)
+    with bench.deadline() as problem:
+        assert problem == "" or "memory" in problem.lower() or "permitted" in problem
+        assert not gc.isenabled()
+        bench.step(100)
+        before = resource.getrusage(resource.RUSAGE_THREAD)
+        for _ in range(500):
+            bench.step()
+        after = resource.getrusage(resource.RUSAGE_THREAD)
+    assert gc.isenabled()
+    assert (after.ru_majflt, after.ru_minflt) == (before.ru_majflt, before.ru_minflt)
+
+
 def test_inputs_act_from_one_step_to_the_next() -> None:
     """A braking moment on every axle changes the momentum of the train by its impulse; a side force moves the car."""
     free = COACH.with_values({"vehicle.drive": "free", "track.irregularities": []})

@@ -74,9 +74,9 @@ SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 SOURCES = {str(path) for path in sources()}
 FULL_ALONE = {
-    "_activate_grid", "_add_to_middles", "_couple", "_largest_overlap", "_overlap", "_set_active_set", "_shallower",
-    "_smooth_step", "_solve_alone", "_solve_one_by_one", "_stair_variance", "deactivate_grid", "four_in_contact",
-    "move_edges", "set_middles", "weight_of",
+    "_activate_grid", "_add_to_middles", "_couple", "_follow", "_largest_overlap", "_overlap", "_scale",
+    "_set_active_set", "_shallower", "_smooth_step", "_solve_alone", "_solve_one_by_one", "_stair_variance",
+    "carry_over", "deactivate_grid", "four_in_contact", "move_edges", "set_middles", "weight_of",
 }  # fmt: skip
 """What the strip model does where Newton's method fails, where grids come and go, and in runs: slow uncompiled."""
 
@@ -131,6 +131,11 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         found[f"lobes change {lateral:g}"] = lowered(model, lateral, 0.002, depth)
     if full:
         found["a grid leaves"] = _leaving(model)
+    model = pair_model("S1002/60E1 1:20", normal="strips", **SMALL)
+    model.arrays.follow(True)
+    for lateral, depth, budget in ((6e-3, 3e-5, 1e3), (6.15e-3, 2e-5, 5.0), (6.15e-3, 3e-5, 5.0)) if full else ():
+        model.arrays.rows.memo["budget"], model.arrays.rows.memo["work"] = budget, 0.0
+        found[f"a budget {lateral:g} {depth:g}"] = lowered(model, lateral, 0.002, depth)
     # a tail beside a maximum comes and goes: the last resort
     model = pair_model(PAIR, normal="strips", **SMALL | {"strips": 8})
     model.arrays.follow(True)

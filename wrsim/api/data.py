@@ -138,6 +138,7 @@ def write_unit(
     values: options.Values = (),
     *,
     step: Annotated[float | None, "Step of the integration [s]; None: one that holds over the run."] = None,
+    budget: options.Budget = None,
     fmi: Annotated[Literal["2", "3"], Option("Version of FMI: 2.0 or 3.0.", "2|3")] = "3",
     systems: Annotated[
         str,
@@ -174,9 +175,9 @@ def write_unit(
     for system in chosen:
         if system not in SYSTEMS:
             raise InputError(f'--for "{system}": must be {choice(SYSTEMS, system)}, or several of them with commas')
-    unit = export_fmu(loaded, path.stem, step, list(dict.fromkeys(chosen)), fmi)
+    unit = export_fmu(loaded, path.stem, step, list(dict.fromkeys(chosen)), fmi, budget)
     lines = [f"FMI {fmi}.0, for {', '.join(unit.systems)}; steps of {1e3 * unit.step:g} ms"]
-    lines += [f"not for {missing}" for missing in unit.missing]
+    lines += [*filter(None, [unit.budget]), *(f"not for {missing}" for missing in unit.missing)]
     numbers = {"inputs": unit.inputs, "fmi": fmi, "systems": unit.systems, "step_s": unit.step}
     return Outcome([], numbers, [write_atomically(path, unit.content)], lines=lines)
 

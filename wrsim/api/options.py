@@ -71,6 +71,10 @@ Values: TypeAlias = Annotated[
         kind=list[str],
     ),
 ]
+Budget: TypeAlias = Annotated[
+    float | None,
+    Option("Residuals of the strip model a wheel and evaluation, shared in a step; inf: any; default 7.", least=2.0),
+]
 Models: TypeAlias = Annotated[Sequence[str | Path], Option("Folder with your model files; may be repeated.", "DIR")]
 Output: TypeAlias = Annotated[AnyPath, into("Folder; results/<name of FILE> unless given.", "DIR")]
 BesideResult: TypeAlias = Annotated[AnyPath, into("Folder; beside the result unless given.", "DIR")]

@@ -120,15 +120,16 @@ def write_live(
     step: Annotated[
         float | None, "Step of the integration of a scenario [s]; None: one that holds over its run."
     ] = None,
+    budget: options.Budget = None,
     models: options.Models = (),
     **reading: Unpack[Reading],
 ) -> Outcome:
     """Write a live page: a vehicle that runs, or a wheel to be dragged, turned and loaded on its rail.
 
     It contains a program and runs without network. A vehicle needs zig to be compiled (pip install ziglang).
-    With "contact" every wheel is paired with every rail, by the strip model and Kik and Piotrowski's. --set and
-    --step-ms are for scenarios, the options of profiles for contacts. Without --step-ms the step is 1 ms, halved until
-    it holds: in 95 % of the steps of the run at most 1 % of the weight is left without balance.
+    With "contact" every wheel is paired with every rail, by the strip model and Kik and Piotrowski's. --set,
+    --step-ms and --budget are for scenarios, the options of profiles for contacts. Without --step-ms the step is 1 ms,
+    halved until it holds: in 95 % of the steps of the run at most 1 % of the weight is left without balance.
 
     Returns
     -------
@@ -149,8 +150,8 @@ def write_live(
             "friction": friction, "load_kN": load_kN, **reading,
         }  # fmt: skip
         _refuse(of_contact, 'is for "contact"; a scenario has its own')
-        return _live_vehicle(Path(kind), file, values, step, models)
-    _refuse({"values": values, "step": step}, "is for a scenario, which contact has not")
+        return _live_vehicle(Path(kind), file, values, step, budget, models)
+    _refuse({"values": values, "step": step, "budget": budget}, "is for a scenario, which contact has not")
     from wrsim.analysis.conicity.pairs import Pairing
     from wrsim.contact.profiles.files import reading_options
     from wrsim.contact.profiles.models import readings_of
@@ -195,6 +196,7 @@ def _live_vehicle(
     file: AnyPath,
     values: Sequence[str] | Mapping[str, Any],
     step: float | None,
+    budget: float | None,
     models: Sequence[str | Path],
 ) -> Outcome:
     """The live page of a scenario."""
@@ -202,10 +204,10 @@ def _live_vehicle(
     from wrsim.results import write_atomically
 
     loaded = as_scenario(scenario, models).with_set(values)
-    page, step = live_vehicle_page(loaded, step)
+    page, bench = live_vehicle_page(loaded, step, budget)
     target = Path(file) if file is not None else Path(f"{scenario.stem}.html")
-    lines = [f"{len(page) / 1e6:.1f} MB; steps of {1e3 * step:g} ms"]
-    return Outcome([], {"step_s": step}, [write_atomically(target, page.encode())], loaded, lines=lines)
+    lines = [f"{len(page) / 1e6:.1f} MB; steps of {1e3 * bench.step_size:g} ms", *filter(None, [bench.budget_line])]
+    return Outcome([], {"step_s": bench.step_size}, [write_atomically(target, page.encode())], loaded, lines=lines)
 
 
 @documented

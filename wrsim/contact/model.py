@@ -365,6 +365,8 @@ def _inputs(model: ContactModel, of_cells: int = 0) -> Arrays:
     of_a_lobe = most * max(grids, 1)
     unknowns = grids * block_of(most)
     columns = max(of_a_lobe, 8, settings.cells if n.history else 0)
+    memo = np.zeros(1, MEMO)
+    memo["budget"] = np.inf
     return Arrays(
         wheel=wheel_table,
         rail=rail.table,
@@ -387,7 +389,7 @@ def _inputs(model: ContactModel, of_cells: int = 0) -> Arrays:
         grids=np.zeros(grids, GRID),
         vectors=np.zeros((VECTORS, unknowns)),
         matrix=np.zeros((unknowns, unknowns)),
-        memo=np.zeros(1, MEMO),
+        memo=memo,
         friction=along,
         depth=depth,
         branches=branches,

@@ -18,7 +18,7 @@ from wrsim.assessment.limits import LimitContext
 from wrsim.assessment.rules import USUAL, rule_set
 from wrsim.contact.library.build import compiler_for
 from wrsim.contact.models import NORMAL_MODELS
-from wrsim.contact.records import LOBE, STRIP
+from wrsim.contact.records import LOBE, STATUS_FOLLOWED, STRIP
 from wrsim.plots.theme import pressure_map
 from wrsim.report.live import live_page
 from wrsim.report.view_data import BEYOND, PATH_STEP, centre_line, outline_points, packed, vehicle_shapes
@@ -45,18 +45,20 @@ STRETCH = 5.0
 what its two iterations leave is told in the page."""
 
 
-def live_vehicle_page(scenario: Scenario | str | Path, step: float | None = None) -> tuple[str, float]:
-    """The page as HTML, and its step [s].
+def live_vehicle_page(
+    scenario: Scenario | str | Path, step: float | None = None, budget: float | None = None
+) -> tuple[str, Stepper]:
+    """The page as HTML, and the stepper that runs in it.
 
-    step: of the integration [s]; none: one that holds over the run. Raises InputError and SimulationError as `stepper`,
-    WrsimError where the program cannot be compiled.
+    step: of the integration [s]; none: one that holds over the run. budget: as `stepper` takes it.
+    Raises InputError and SimulationError as `stepper`, WrsimError where the program cannot be compiled.
     """
     scenario = loaded(scenario)
     compiler_for("wasm")
-    bench, setup = holding_stepper(scenario, step), build(scenario)
+    bench, setup = holding_stepper(scenario, step, budget), build(scenario)
     normal = NORMAL_MODELS[setup.contact.normal].kernel
     program = unit_program(bench, normal, TOKEN, "wasm")
-    return live_page("live_vehicle.html", scenario.title, program, live_data(bench, setup)), bench.step_size
+    return live_page("live_vehicle.html", scenario.title, program, live_data(bench, setup)), bench
 
 
 def live_data(bench: Stepper, setup: Setup[RunPlan]) -> dict[str, Any]:
@@ -71,7 +73,7 @@ def live_data(bench: Stepper, setup: Setup[RunPlan]) -> dict[str, Any]:
     curvature = track.curvature(s)
     line = centre_line(curvature, track.cant(s), track.grade(s), track.cant_base)
     return {
-        "about": _assumed(setup, step=bench.step_size),
+        "about": _assumed(setup, bench),
         "colours": [to_hex(c) for c in pressure_map()(np.linspace(0.0, 1.0, 32))],
         "vehicle": vehicle_shapes(setup),
         "track": {"start": float(s[0]), "step": PATH_STEP, "line": packed(line, "f8")},
@@ -147,12 +149,13 @@ class Places:
             yield dict(zip(wheel_forces.Arrays._fields, views[first:], strict=False))
 
 
-def _assumed(setup: Setup[RunPlan], step: float) -> str:
+def _assumed(setup: Setup[RunPlan], bench: Stepper) -> str:
     """What the numbers of the page rest on, in one line."""
     support = setup.support or "rigid rails"
     return (
         f"{setup.vehicle.name}; contact: {setup.contact.normal}, {setup.contact.creep_forces}; rails: {support}; "
-        f"step {1e3 * step:g} ms with two iterations; start: the steady motion of the scenario. "
+        f"step {1e3 * bench.step_size:g} ms with two iterations; start: the steady motion of the scenario. "
+        f"{(line := bench.budget_line) and f'{line} (status {STATUS_FOLLOWED}). '}"
         "*: limit from memory of the standard"
     )
 

@@ -41,7 +41,7 @@ FOLDERS: dict[str, dict[str, str]] = {
 UNITS: dict[str, tuple[str, dict[str, int]]] = {
     "m": ("m", {"m": 1}), "m_s": ("m/s", {"m": 1, "s": -1}), "m_s2": ("m/s2", {"m": 1, "s": -2}),
     "rad": ("rad", {"rad": 1}), "rad_s": ("rad/s", {"rad": 1, "s": -1}), "s": ("s", {"s": 1}),
-    "N": ("N", {"kg": 1, "m": 1, "s": -2}), "Nm": ("N.m", {"kg": 1, "m": 2, "s": -2}),
+    "": ("1", {}), "N": ("N", {"kg": 1, "m": 1, "s": -2}), "Nm": ("N.m", {"kg": 1, "m": 2, "s": -2}),
 }  # fmt: skip
 """Name and base units, by how the name of a variable ends."""
 
@@ -53,6 +53,8 @@ MEANINGS = {
     "force_x": "first component of the load, along its axes",
     "force_y": "second component of the load, along its axes",
     "force_z": "third component of the load, along its axes",
+    "followed": "contacts of the step that were followed, the budget of the strip model being spent",
+    "left": "largest residual of these over the deepest penetration",
     "distance": "distance of the centre of mass along the centre line",
     "speed": "speed of the centre of mass along the track",
     "lateral": "shift of the centre of mass to the left of the centre line",
@@ -138,7 +140,7 @@ def _variables(bench: Stepper) -> list[dict[str, str]]:
         "description": MEANINGS["time"],
     }]  # fmt: skip
     for number, (name, view) in enumerate((bench.inputs | bench.outputs).items(), 1):
-        ending = max((each for each in UNITS if name.endswith(f"_{each}")), key=len)
+        ending = max((each for each in UNITS if each == "" or name.endswith(f"_{each}")), key=len)
         word = name.rpartition(".")[2].removesuffix(f"_{ending}")
         row = {"name": name, "valueReference": str(number), "variability": "continuous", "unit": UNITS[ending][0]}
         meaning = re.sub("_(left|right)$", "", word)

@@ -1,7 +1,13 @@
 """A vehicle that another program moves on step by step: test benches, control in the loop, co-simulation."""
 
+import ctypes
+import gc
+import os
+import sys
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +32,16 @@ UNITS = {
     "rotation": "rad_s", "acceleration_x": "m_s2", "acceleration_y": "m_s2", "acceleration_z": "m_s2",
 }  # fmt: skip
 """Units of what is read of a body, as names of outputs end."""
+MEMORY_NOW, MEMORY_LATER = 1, 2  # flags of mlockall, alike on all systems that have it
+
+
+class Followed(NamedTuple):
+    """Contacts of strips that were followed rather than solved, since the budget was spent."""
+
+    steps: int  # in which there was any
+    contacts: int  # of all evaluations of all wheels
+    residual: float  # largest that was left, over the deepest penetration
+    most: float  # that the strips took in a step, in residuals of one grid
 
 
 class Stepper:
@@ -50,13 +66,16 @@ class Stepper:
         every wheelset (``"front.outer.Y_left_N"``), of every strut; docs/user/cosimulation.md lists them.
     """
 
-    def __init__(self, law: VehicleOnTrack, q: Array, q_t: Array, step: float, iterations: int) -> None:
-        """From the state (q, q_t) at the time 0, which the Jacobian belongs to; step [s]."""
+    def __init__(
+        self, law: VehicleOnTrack, q: Array, q_t: Array, step: float, iterations: int, budget: float = np.inf
+    ) -> None:
+        """From the state (q, q_t) at the time 0, which the Jacobian belongs to; step [s]; budget: see `stepper`."""
         self.law, self.memory = law, law.whole
         views = law.whole.views
         self._record, rows = views[kernel.STEP_RECORD][0], views[kernel.STATE]
         record = self._record
         record.h, record.iterations = step, iterations
+        record.budget = budget * iterations * len(self.law.wheels) * len(SIDES)
         record.alpha_m, record.alpha_f, record.beta, record.gamma = METHOD
         record.q_of_q_tt, record.q_t_of_q_tt = by = METHOD.increments(step)
         self.q, self.q_t = rows[kernel.Q], rows[kernel.Q_T]
@@ -71,6 +90,8 @@ class Stepper:
         views[kernel.INVERSE][:] = np.linalg.inv(matrix)
         views[kernel.SEEN]["distance"] = [law.start + part.centre[0] for part in law.vehicle.parts]
         self.inputs, self.outputs = _inputs(law), _outputs(law)
+        self.tried: Followed | None = None
+        """What was followed when the step was tried over a run."""
         self._observe()
 
     def step(self, count: int = 1) -> None:
@@ -83,9 +104,50 @@ class Stepper:
                 raise SimulationError(laws.OFF_TRACK.format(self.time))
         self._observe()
 
+    @contextmanager
+    def deadline(self) -> Iterator[str]:
+        """Keep the process in memory and Python's garbage collector off while steps have a deadline: no page fault, no
+        collection. Gives "" or, where memory cannot be locked, why; Linux limits it (``ulimit -l``), Windows has no
+        such call."""
+        collects = gc.isenabled()
+        gc.collect()
+        gc.disable()
+        library = ctypes.CDLL(None, use_errno=True) if sys.platform != "win32" else None
+        problem = "this system has no mlockall"
+        if library is not None and hasattr(library, "mlockall"):
+            problem = "" if library.mlockall(MEMORY_NOW | MEMORY_LATER) == 0 else os.strerror(ctypes.get_errno())
+        try:
+            yield problem
+        finally:
+            if library is not None and not problem:
+                library.munlockall()
+            if collects:
+                gc.enable()
+
     def _observe(self) -> None:
         if outputs.observe(self.memory.buffer, self.memory.index):
             raise SimulationError(laws.OFF_TRACK.format(self.time))
+
+    @property
+    def budget_line(self) -> str:
+        """The budget of a step, and what a trial has followed, in one line; "" without strips and without a budget."""
+        memos = [wheel.model.arrays.rows.memo for pair in self.law.wheels for wheel in pair]
+        if self._record.budget == np.inf or not any(len(memo) and memo[0].grids for memo in memos):
+            return ""
+        line = f"strips take at most {self._record.budget:g} residuals a step"
+        if self.tried is None:
+            return line
+        return (
+            f"{line}; over the run {self.tried.steps} steps followed contacts rather than solved them, which left "
+            f"{self.tried.residual:.2g} of the deepest penetration at most"
+        )
+
+    @property
+    def followed(self) -> Followed:
+        """What was followed rather than solved, in all steps."""
+        record = self._record
+        steps, contacts = int(record.followed_steps), int(record.all_followed)
+        return Followed(steps, contacts, float(record.most_left), float(record.most_work))
 
     def __repr__(self) -> str:
         named = f"{len(self.inputs)} inputs, {len(self.outputs)} outputs"
@@ -169,6 +231,7 @@ def _outputs(law: VehicleOnTrack) -> dict[str, Array]:
     views, vehicle = law.whole.views, law.vehicle
 
     def views_by_name() -> Iterator[tuple[str, Array]]:
+        yield from ((f"contacts.{name}", views[kernel.STEP_RECORD][name]) for name in ("followed", "left"))
         for i, part in enumerate(vehicle.parts):
             for name in outputs.BODY_SEEN.names:
                 yield f"{part.name}.{name}_{UNITS[name]}", views[kernel.SEEN][name][i : i + 1]

@@ -65,6 +65,9 @@ PEAK_ERROR, BLOW = 0.01, 10.0
 and so w^2, grows with the cube root of the load."""
 SHRUNK = 10.0  # by how much shorter than usual a chosen step of RK44 is reported
 BENCH_STEP, BENCH_ITERATIONS, BENCH_LONGEST = 1e-3, 2, 5e-3  # of vehicles that others move on step by step [s]
+BENCH_BUDGET, LEAST_BUDGET = 7.0, 2.0
+"""Residuals of the strip model a wheel and evaluation: one takes 5.7 us, the rest of a wheel 21 (docs/developers/cost).
+So often as in a step of a coach with two iterations, 16 times, that is 0.98 of a millisecond."""
 HELD, HELD_SHARE, HALVINGS = 0.01, 0.95, 4
 """A step of a `stepper` holds where in so large a share of the steps of a run at most so much of the weight is left
 without balance. One that is too long leaves as much as the weight in a tenth of them and more."""
@@ -145,7 +148,12 @@ def _samples_beside(setup: Setup[RunPlan], law: VehicleOnTrack) -> bool:
     return setup.threads == 1 and law.compiled and law.on_sleepers is None and not needs_all
 
 
-def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iterations: int = BENCH_ITERATIONS) -> Stepper:
+def stepper(
+    scenario: Scenario | str | Path,
+    step: float = BENCH_STEP,
+    iterations: int = BENCH_ITERATIONS,
+    budget: float = BENCH_BUDGET,
+) -> Stepper:
     """A vehicle for a test bench or for co-simulation, in the steady motion that a run of the scenario starts from.
 
     Parameters
@@ -156,6 +164,9 @@ def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iteration
         Of the integration [s].
     iterations : int
         Evaluations of the forces in a step.
+    budget : float
+        Residuals of the strip model a wheel and evaluation [1], which all of a step share; inf: any number. Contacts
+        that it leaves unsolved are followed, see `Stepper.followed`.
 
     Returns
     -------
@@ -173,6 +184,8 @@ def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iteration
         raise InputError(f"step = {step:g}: must be above 0 and at most {BENCH_LONGEST:g} s")
     if not iterations >= 1:
         raise InputError(f"iterations = {iterations}: must be a whole number from 1 on")
+    if not budget >= LEAST_BUDGET:
+        raise InputError(f"budget = {budget:g}: must be {LEAST_BUDGET:g} residuals a wheel and evaluation or more")
     scenario = loaded(scenario)
     setup = build(scenario)
     if not isinstance(setup.plan, RunPlan) or not ANALYSES[setup.analysis].moves:
@@ -184,23 +197,26 @@ def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iteration
     setup = replace(setup, track=replace(setup.track, reach=np.inf))
     law = force_law(replace(setup, vehicle=with_torques(setup.vehicle), threads=1), stepped=True)
     try:
-        return Stepper(law, *start_state(setup, law), step, iterations)
+        return Stepper(law, *start_state(setup, law), step, iterations, budget)
     except NoSteadyMotion as problem:
         raise SimulationError(start_words(problem, setup)) from None
 
 
-def holding_stepper(scenario: Scenario, step: float | None = None) -> Stepper:
-    """A `stepper` with a step [s], or with BENCH_STEP, halved until it holds over the run. Raises SimulationError where
-    none does."""
+def holding_stepper(scenario: Scenario, step: float | None = None, budget: float | None = None) -> Stepper:
+    """A `stepper` with a step [s], or with BENCH_STEP, halved until it holds over the run: ``tried``. Raises
+    SimulationError where none does."""
+    budget = BENCH_BUDGET if budget is None else budget
     if step is not None:
-        return stepper(scenario, step)
+        return stepper(scenario, step, budget=budget)
     duration = None
     for halvings in range(HALVINGS + 1):
         step = BENCH_STEP / 2**halvings
-        bench = stepper(scenario, step)  # refuses what has no duration
+        bench = stepper(scenario, step, budget=budget)  # refuses what has no duration
         duration = duration or build(scenario).plan.duration
         if _holds(bench, round(duration / step)):
-            return stepper(scenario, step)
+            chosen = stepper(scenario, step, budget=budget)
+            chosen.tried = bench.followed
+            return chosen
     raise SimulationError(
         f"{scenario.title}: no step down to {1e3 * BENCH_STEP / 2**HALVINGS:g} ms holds with {BENCH_ITERATIONS}"
         f" iterations: more than {HELD:.0%} of the weight is left without balance"

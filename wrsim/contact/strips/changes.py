@@ -96,6 +96,46 @@ def move_edges(system: System, n: int, g: int, start: float, end: float) -> None
 
 
 @kernel
+def carry_over(system: System, n: int) -> bool:
+    """Lay the last contact over other grids: between its strips half lengths and factors are read straight. False if
+    none of them comes to lie under enough strips."""
+    memo, places, v = system.memo[0], system.places, system.vectors
+    x, s, start, end, squares, factors = v[V.X], v[V.BEFORE], v[V.NEXT], v[V.LAST_STEP], v[V.F], v[V.STEP]
+    count = 0
+    for i in range(memo.grids_before * n):
+        base = i // n * block_of(n) + i % n
+        if x[base] > 0.0:
+            s[count], start[count], end[count] = places[i].s, places[i].lo, places[i].hi
+            squares[count], factors[count] = x[base], x[base + n]
+            count += 1
+    x[: memo.grids * block_of(n)] = 0.0
+    memo.inverted = 0
+    carried = False
+    for g in range(memo.grids):
+        grid, e = system.grids[g], edges_of(n, g)
+        first, last = count, -1
+        for c in range(count):
+            if grid.least < s[c] < grid.most:
+                first, last = min(first, c), c
+        grid.active = int(last - first + 1 >= MIN_STRIPS)
+        if grid.active:
+            carried = True
+            x[e], x[e + 1] = max(start[first], grid.least), min(end[last], grid.most)
+            hold_edges(grid, x[e], x[e + 1])
+    place_strips(system, n)
+    for g in range(memo.grids):
+        c = 0
+        for j in range(n if system.grids[g].active else 0):
+            place, base = places[g * n + j], g * block_of(n) + j
+            while c < count - 2 and s[c + 1] < place.s:
+                c += 1
+            z = min(max((place.s - s[c]) / (s[c + 1] - s[c]), 0.0), 1.0)
+            x[base] = squares[c] + z * (squares[c + 1] - squares[c])
+            x[base + n] = factors[c] + z * (factors[c + 1] - factors[c])
+    return carried
+
+
+@kernel
 def activate(system: System, n: int) -> bool:
     """Let strips come into contact whose gap has closed, edges leave their bounds that should go in, and of the grids
     the one that overlaps most: it may press the others apart. True if there are any."""

@@ -169,6 +169,15 @@ def set_conditions(system: System, n: int, g: int, j: int, points: int) -> None:
         place.tilt = (u.fore - aft + 2.0 * place.curvature * r * place.off) / memo.deepest
 
 
+@inlined
+def residual_price(system: System) -> float:
+    """What a residual takes: all strips in contact act on all of them, at two points or three."""
+    count = 0
+    for g in range(system.memo[0].grids):
+        count += system.grids[g].active
+    return (1.0 + 0.5 * system.memo[0].has_shifts) * count**2
+
+
 @kernel
 def residuals(system: System, n: int) -> float:
     """Residuals of (strip-points), (strip-smoothing), (strip-stairs), (strip-means) and (strip-edges) to
@@ -176,6 +185,7 @@ def residuals(system: System, n: int) -> float:
     memo, places, grids = system.memo[0], system.places, system.grids
     out = system.vectors[V.F]
     memo.iterations += 1
+    memo.work += residual_price(system)
     place_strips(system, n)
     largest = 0.0
     block, points = block_of(n), 2 + memo.has_shifts  # outer points are alike where shifts do not count

@@ -12,13 +12,13 @@ solution grids are cut at the saddles, so every lobe has its strips and no resul
 
 from math import inf, pi, sqrt
 
-from wrsim.contact.records import COLD_START, STATUS_NOT_CONVERGED, PlacedWheel, Rail, WheelPose
+from wrsim.contact.records import COLD_START, STATUS_FOLLOWED, STATUS_NOT_CONVERGED, PlacedWheel, Rail, WheelPose
 from wrsim.contact.resultants import set_creepages, set_pressures
 from wrsim.contact.strips.equations import clamp_edges, edges_of
 from wrsim.contact.strips.grid import opposite, row_below
 from wrsim.contact.strips.grid_layout import set_grids
 from wrsim.contact.strips.records import ROWS, System, V
-from wrsim.contact.strips.solution import solve
+from wrsim.contact.strips.solution import MAX_FOLLOWED, solve
 from wrsim.jit import Record, Records, kernel
 
 SAME_GRID = 0.5  # of the last contact within a grid's new bounds that makes it the same grid
@@ -46,7 +46,9 @@ def solve_pressure(
     status = set_grids(system, contacts, pose, count)
     known = memo.grids_before > 0 and _same_grids(system, n)
     memo.strips = solve(system, n, known, state.tolerance)
-    memo.grids_before = memo.grids if memo.strips == n else 0
+    status |= STATUS_FOLLOWED if memo.followed else 0
+    goes_on = memo.strips == n if memo.followed == 0 else memo.followed < MAX_FOLLOWED
+    memo.grids_before = memo.grids if goes_on else 0
     for i in range(count):
         lobes[i].n_strips = 0
     if memo.strips == 0:

@@ -94,6 +94,9 @@ GRID = record("""
 
 MEMO = record("""
     rate            [1]    share of the residual that one of the worst of the last steps left
+    budget          [1]    residuals of one grid that calls may take from when ``work`` is 0; inf: any number
+    work            [1]    those taken, Jacobians by their price
+    left            [1]    residual of the best contact of a call with a budget, over the deepest penetration
     stiffness       [Pa]   pi E*
     modulus         [Pa]   E*
     transverse      [1]    nu/(1 - nu)
@@ -111,6 +114,7 @@ MEMO = record("""
     iterations      [int]  residuals taken in this call
     factorisations  [int]  Jacobians made in this call
     strips          [int]  strips of a grid that it was solved with; 0: it was not
+    followed        [int]  0: solved; else followed, as the budget was spent: calls in a row that brought it no nearer
     substitutes     [int]  calls so far that have no solution
 """)
 """State of the whole system, from call to call."""
@@ -139,7 +143,7 @@ class VectorRows(NamedTuple):
     NB: int  # upward components; 1 where angles do not count
     SIDE: int  # lateral over normal force
     LIFT: int  # SIDE times nu/(1 - nu)
-    LAST_SOLUTION: int  # unknowns of the last solution of a continuation
+    LAST_SOLUTION: int  # unknowns of the last solution of a continuation, or the best ones of a call with a budget
     TILT: int  # derivatives of a strip's ``tilt``
     BEFORE: int  # two numbers of each strip from before its grid is placed anew
     WEIGHTED: int  # last step times the weights of its unknowns

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from wrsim.contact.strips.changes import (
     ACTIVATION_OVERLAP,
     CONTACT_LEVEL,
+    carry_over,
     deactivate_grid,
     in_contact,
     initialise_grid,
@@ -16,7 +17,7 @@ from wrsim.contact.strips.changes import (
 from wrsim.contact.strips.equations import block_of, edges_of, hold_edges, place_strips, set_fading
 from wrsim.contact.strips.grid_layout import MIN_DEPTH
 from wrsim.contact.strips.hertz import hertz_ellipse
-from wrsim.contact.strips.newton import CHECK_RESIDUAL, descend, newton
+from wrsim.contact.strips.newton import CHECK_RESIDUAL, affords, descend, newton
 from wrsim.contact.strips.records import EDGES, ROWS, System, V
 from wrsim.jit import Record, Records, kernel
 from wrsim.jit.dense import copy
@@ -25,6 +26,9 @@ TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 ROUND_OFF = 1e-15  # of penetrations: points lie some decimetres from the origin [m]
 START_DEPTH = 0.7  # of the deepest penetration: a grid that is in contact to begin with
 LEVELS = 0.0, MIN_DEPTH, 0.3  # of a grid's depth: where contact ends in first guesses; in the first one as Hertz's does
+PROGRESS = 0.5  # of the residual that the last call left
+MAX_FOLLOWED = 8  # calls in a row that left more than that, before a contact that is followed starts cold
+TRUSTED = 0.1  # residual of a contact that is followed
 MIN_COUPLING_STEP = 1 / 32  # of the coupling of grids, at which a solution is given up
 MAX_RESIDUALS = 1500  # no fewer strips are tried from then on: more than any of a million random poses takes
 
@@ -32,18 +36,34 @@ MAX_RESIDUALS = 1500  # no fewer strips are tried from then on: more than any of
 @kernel
 def solve(system: System, n: int, known: bool, tolerance: float) -> int:
     """Solve; known: the unknowns are those of a contact near by, solved to the tolerance. Returns the number of strips
-    of a grid that have a solution: n or fewer; 0 if none down to half of n have one, or MAX_RESIDUALS found none."""
+    of a grid that have a solution: n or fewer; 0 if none down to half of n have one, or MAX_RESIDUALS found none.
+
+    With a budget below that the last contact is carried over to other grids; what it has become when the budget is
+    spent counts, and the next call goes on from there."""
     memo = system.memo[0]
-    memo.iterations = memo.factorisations = 0
+    row, before = memo.followed, memo.left if memo.followed else tolerance
+    if known and before > CHECK_RESIDUAL:  # the last contact was followed: its inverse is of no use
+        _scale(system, n)
+        memo.inverted = 0
+    memo.iterations = memo.factorisations = memo.followed = 0
+    memo.left = inf
+    bounded = memo.budget < MAX_RESIDUALS
     for g in range(memo.grids):
         system.grids[g].entries = 0
+    if bounded and not known and memo.grids_before > 0:
+        known = carry_over(system, n)
     if known and _converges(system, n, tolerance):
         return n
+    if bounded and known and not affords(system, 1):
+        return _follow(system, n, before, row)
+    memo.left = inf
     strips = n
     while strips > n // 2 and memo.iterations < MAX_RESIDUALS:
         for level in LEVELS:
             if _solve_at_once(system, strips, level):
                 return strips
+        if bounded:
+            return _follow(system, n, 1.0, 0)
         if _solve_one_by_one(system, strips):
             return strips
         strips -= 1
@@ -90,6 +110,39 @@ def _converges(system: System, n: int, tolerance: float) -> bool:
     """Newton's method near a solution. True if it ends in one: all unknowns are numbers, some strip is in contact."""
     if not newton(system, n, max(tolerance, ROUND_OFF / system.memo[0].deepest)):
         return False
+    return _touches(system, n)
+
+
+@kernel
+def _follow(system: System, n: int, before: float, row: int) -> int:
+    """Take the best contact of this call for its solution. Returns n, or 0 if it is none. before: what the last call
+    left; row: calls in a row that left nearly as much."""
+    memo, vectors = system.memo[0], system.vectors
+    if memo.left < inf:
+        copy(memo.grids * block_of(n), vectors[V.LAST_SOLUTION], vectors[V.X])
+    else:
+        memo.left = before
+    memo.left = min(memo.left, 1.0)
+    _set_active_set(system, n)
+    memo.followed = (row + 1 if memo.left > PROGRESS * before else 1) * int(_touches(system, n))
+    return n if memo.followed and memo.left < TRUSTED else 0
+
+
+@kernel
+def _scale(system: System, n: int) -> None:
+    """Let squares of half lengths grow with the penetration since the last contact, as Hertz's do."""
+    before = system.vectors[V.BEFORE]
+    for i in range(system.memo[0].grids * n):
+        before[i] = system.places[i].d
+    place_strips(system, n)
+    for i in range(system.memo[0].grids * n):
+        if system.grids[i // n].active and before[i] > 0.0:
+            system.vectors[V.X, i // n * block_of(n) + i % n] *= min(max(system.places[i].d / before[i], 0.5), 2.0)
+
+
+@kernel
+def _touches(system: System, n: int) -> bool:
+    """Whether all unknowns are numbers and some strip is in contact."""
     x, block = system.vectors[V.X], block_of(n)
     touches = False
     for g in range(system.memo[0].grids):

@@ -8,13 +8,15 @@ so the residual of every body is turned back by what its heading has changed sin
 a small part of the residual.
 """
 
-from math import cos, isfinite, sin, sqrt
+from math import cos, inf, isfinite, sin, sqrt
 
-from wrsim.jit import Array, Ints, Records, kernel, matrix, record, records
+from wrsim.contact.records import STATUS_FOLLOWED
+from wrsim.jit import Array, Ints, Record, Records, kernel, matrix, record, records
 from wrsim.jit.dense import multiply
 from wrsim.vehicle.dynamics.kinematics import HEADING, X, Y
 from wrsim.vehicle.dynamics.rigid_body import INERTIA, mass_block, quadratic_forces
-from wrsim.vehicle.dynamics.vehicle_forces import vehicle_forces
+from wrsim.vehicle.dynamics.vehicle_forces import FIRST_WHEEL, vehicle_forces
+from wrsim.vehicle.dynamics.wheel_forces import ARRAYS, memo_of, reserve, wheel_record
 
 STEP = record("""
     h           [s]   step
@@ -26,8 +28,16 @@ STEP = record("""
     q_t_of_q_tt [s]   change of q_t for a change of q_tt
     residual    [N]   norm of the residual ahead of the last correction, at this step
     most        [N]   largest of these so far
+    budget      [1]   what the strips of all wheels may take in a step (``strips.newton``); inf: anything
+    work        [1]   what they took in this step
+    most_work   [1]   most of these so far
+    followed    [1]   contacts of this step that were followed rather than solved, as often as they were evaluated
+    left        [1]   largest residual of these, over the deepest penetration
+    most_left   [1]   largest of these so far
     iterations  [int] number of iterations of a step
     steps       [int] number of steps done
+    followed_steps [int] number of steps in which contacts were followed
+    all_followed   [int] number of contacts that were
 """)
 
 Q, Q_T, Q_TT, A, LAST, FORCES, RESIDUAL, CORRECTION, INVERTED_AT = range(9)
@@ -42,6 +52,7 @@ VEHICLE_ARRAYS = 7
 """The first of those of ``vehicle_forces``, behind them."""
 
 NOT_FINITE = -1
+LEAST = 1e-9  # of a budget that is spent: 0 would be none
 
 TREND = 0.5
 """Part of the last change of the accelerations that is extrapolated to the next step."""
@@ -69,8 +80,11 @@ def advance(buffer: Array, index: Ints) -> int:
     step.steps += 1
     time = step.steps * h
     status = 0
-    for _ in range(step.iterations):
+    step.work = step.followed = step.left = 0.0
+    for behind in range(step.iterations - 1, -1, -1):
+        _begin(step, behind, buffer, vehicle[FIRST_WHEEL:])
         status = vehicle_forces(time, rows[Q], rows[Q_T], rows[FORCES], buffer, vehicle)
+        _end(step, buffer, vehicle[FIRST_WHEEL:])
         step.residual = _residual(rows, inertia, block)
         if not isfinite(step.residual):
             return NOT_FINITE
@@ -84,7 +98,32 @@ def advance(buffer: Array, index: Ints) -> int:
             rows[Q, i] -= step.q_of_q_tt * more
             rows[A, i] -= a_of_q_tt * more
     step.most = max(step.most, step.residual)
+    step.most_work, step.most_left = max(step.most_work, step.work), max(step.most_left, step.left)
+    step.all_followed += int(step.followed)
+    step.followed_steps += int(step.followed > 0.0)
     return status
+
+
+@kernel
+def _begin(step: Record, behind: int, buffer: Array, wheels: Ints) -> None:
+    """Give an evaluation its part of the budget: what is left but for what is reserved for ``behind`` more."""
+    if wheels.shape[0] > 0:
+        part = step.budget - step.work - behind * reserve(buffer, wheels, False)
+        wheel_record(buffer, wheels, 0).budget = max(part, LEAST)
+
+
+@kernel
+def _end(step: Record, buffer: Array, wheels: Ints) -> None:
+    """Take what an evaluation's contacts have taken and left into the step's."""
+    for i in range(wheels.shape[0] // ARRAYS):
+        memo = memo_of(buffer, wheels, i)
+        step.work += memo.work
+        memo.budget = inf
+        if wheel_record(buffer, wheels, i).status & STATUS_FOLLOWED:
+            step.followed += 1.0
+            step.left = max(step.left, memo.left)
+    if wheels.shape[0] > 0:
+        wheel_record(buffer, wheels, 0).budget = 0.0
 
 
 @kernel

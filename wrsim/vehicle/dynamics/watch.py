@@ -6,10 +6,9 @@ Arrays of the wheels in an arena as in ``dynamics.wheel_forces``; one record WAT
 
 from wrsim.contact.arrays import Arrays
 from wrsim.contact.records import LOBE
-from wrsim.contact.strips.records import MEMO
 from wrsim.jit.arena import Array, Ints, Records, record, records, vector
 from wrsim.jit.compiling import kernel
-from wrsim.vehicle.dynamics.wheel_forces import ARRAYS, IN_CONTACT, POSE, wheel_total
+from wrsim.vehicle.dynamics.wheel_forces import ARRAYS, IN_CONTACT, POSE, memo_of, wheel_total
 
 WATCH = record("""
     level       [m]   height of the axle with the tape circle on the rail's top
@@ -44,7 +43,7 @@ WATCH = record("""
 """)
 """Geometry of a wheel, and its vertical force between samples."""
 
-PATCHES, MEMO_PLACE = Arrays._fields.index("patches"), Arrays._fields.index("memo")
+PATCHES = Arrays._fields.index("patches")
 
 
 @kernel
@@ -86,7 +85,7 @@ def all_on_rails(watched: Records, buffer: Array, index: Ints) -> bool:
     for i in range(watched.shape[0]):
         watch, total = watched[i], wheel_total(buffer, index, i)
         arrays = index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS]
-        if total.status != 0 or records(buffer, arrays, MEMO_PLACE, MEMO)[0].substitutes > watch.substitutes:
+        if total.status != 0 or memo_of(buffer, index, i).substitutes > watch.substitutes:
             return False
         patches, pressed = records(buffer, arrays, PATCHES, LOBE), False
         for j in range(total.lobes):

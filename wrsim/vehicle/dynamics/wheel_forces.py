@@ -13,6 +13,8 @@ its own arrays alone, so neither order nor threads change a bit.
 from wrsim.contact.arrays import ARRAYS as ARRAYS_OF_A_CONTACT
 from wrsim.contact.arrays import Arrays, call_of, results
 from wrsim.contact.records import CONTACT, WheelPose
+from wrsim.contact.strips.newton import JACOBIAN_PRICE
+from wrsim.contact.strips.records import MEMO
 from wrsim.jit import Array, Ints, Record, inlined, kernel, parallel, prange, record, records, stages, vector
 from wrsim.jit.frames import BODY, VECTOR, BodyMotion, CurveNodes, Frame, get_body, point_velocity, put, put_at
 from wrsim.jit.linalg import ZERO, Vec, add, components, cross, from_components, scale, shifted, sub
@@ -21,7 +23,7 @@ from wrsim.track.path_kernel import NODE, bends, frame_at, locate
 # arrays of one wheel
 WHEEL_RECORD, RAIL, IN_CONTACT = range(3)
 ARRAYS = IN_CONTACT + ARRAYS_OF_A_CONTACT
-POSE, LOBES = (Arrays._fields.index(name) for name in ("pose", "patches"))
+POSE, LOBES, MEMO_PLACE = (Arrays._fields.index(name) for name in ("pose", "patches", "memo"))
 
 WHEEL = record(
     """
@@ -37,6 +39,7 @@ WHEEL = record(
     slope_n      [1]     slope of the displacement along n over the track
     slope_b      [1]     slope of the displacement along b
     angle        [rad]   angle by which the wheel has rolled
+    budget       [1]     of the first wheel: what the strips of all wheels may take (``strips.newton``); 0: anything
     yield_nn     [m/N]   compliance of the rail on sleepers: along n, ...
     yield_nb     [m/N]   ... coupling ...
     yield_bb     [m/N]   ... and along b
@@ -149,10 +152,43 @@ def one_wheel(buffer: Array, index: Ints) -> int:
 
 @kernel
 def in_turn(buffer: Array, index: Ints) -> int:
-    """All wheels, one after the other. index: that of the first wheel and of all behind it."""
-    for i in range(index.shape[0] // ARRAYS):
+    """All wheels, one after the other. index: that of the first wheel and of all behind it.
+
+    With a budget each may take what is left but for what is reserved for those behind it.
+    """
+    count = index.shape[0] // ARRAYS
+    bounded = count > 0 and wheel_record(buffer, index, 0).budget > 0.0
+    left = wheel_record(buffer, index, 0).budget - reserve(buffer, index, True) if bounded else 0.0
+    for i in range(count):
+        memo = memo_of(buffer, index, i)
+        if bounded:
+            left += _reserve(memo, True)
+            memo.budget, memo.work = left, 0.0
         stages.run(ONE_WHEEL, buffer, index[i * ARRAYS : (i + 1) * ARRAYS])
+        left -= memo.work
     return OK
+
+
+@kernel
+def reserve(buffer: Array, index: Ints, recovers: bool) -> float:
+    """What of a budget is reserved for all wheels; see `_reserve`."""
+    total = 0.0
+    for i in range(index.shape[0] // ARRAYS):
+        total += _reserve(memo_of(buffer, index, i), recovers)
+    return total
+
+
+@inlined
+def _reserve(memo: Record, recovers: bool) -> float:
+    """A residual of a wheel's last grids; recovers: with a Jacobian and one more for a grid that is followed."""
+    residual = (1.0 + 0.5 * memo.has_shifts) * memo.grids**2
+    return residual * (2.0 + JACOBIAN_PRICE if recovers and memo.followed and memo.grids == 1 else 1.0)
+
+
+@inlined
+def memo_of(buffer: Array, index: Ints, i: int) -> Record:
+    """The record MEMO of the wheel number i; index: as in `in_turn`."""
+    return records(buffer, index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS], MEMO_PLACE, MEMO)[0]
 
 
 @parallel
