@@ -52,9 +52,13 @@ SMALLEST = 1e-12
 
 
 @kernel
-def slide(element: Record, bound: float, z: Vec, v: Vec) -> tuple[Vec, Vec]:
-    """Pull of a slider of the kinds COULOMB and FANCHER against the travel [N], and the rate of its slip [m/s].
-    element: a record ELEMENT; bound [N]; z: extension of its spring [m]; v: rate of the travel [m/s]; both vectors."""
+def slide(element: Record, bound: float, z: Vec, v: Vec) -> tuple[Vec, Vec, float]:
+    """Pull of a slider of the kinds COULOMB and FANCHER against the travel [N], the rate of its slip [m/s], and what
+    friction and damping take [W]. element: a record ELEMENT; bound [N]; z: extension of its spring [m]; v: rate of the
+    travel [m/s]; both vectors.
+
+    What the pull does on the slip is taken, not what the spring would: beyond the bound there is no such force. What a
+    spring holds there, F^2 / 2 k at the most, is lost with the bound and not counted."""
     k, size = element.stick, norm(z)
     slip = ZERO
     if size > SMALLEST:
@@ -63,9 +67,11 @@ def slide(element: Record, bound: float, z: Vec, v: Vec) -> tuple[Vec, Vec]:
         share = 1.0 if force >= bound else max(0.0, (force / bound - first) / (1.0 - first))
         way = norm(v) if element.slider == FANCHER else max(0.0, dot(z, v) / size)
         slip = scale((share * way + max(0.0, force - bound) / (k * SETTLING)) / size, z)
-    pull = shifted(scale(k, z), element.stick_damping, sub(v, slip))
+    rate = sub(v, slip)
+    pull = shifted(scale(k, z), element.stick_damping, rate)
     size = norm(pull)
-    return scale(bound / size, pull) if size > bound else pull, slip
+    held = bound / size if size > bound else 1.0
+    return scale(held, pull), slip, held * (dot(pull, slip) + element.stick_damping * dot(rate, rate))
 
 
 @kernel
@@ -122,7 +128,7 @@ def slider_force(element: Record, bound: float, e: float, v: float, inner: Array
         element.loss += force * inner_t[first]
         return force
     z = e - inner[first]
-    pull, slip = slide(element, bound, Vec(z, 0.0, 0.0), Vec(v, 0.0, 0.0))
+    pull, slip, loss = slide(element, bound, Vec(z, 0.0, 0.0), Vec(v, 0.0, 0.0))
     inner_t[first] = slip.x
-    element.loss += pull.x * v - element.stick * z * (v - slip.x)
+    element.loss += loss
     return pull.x

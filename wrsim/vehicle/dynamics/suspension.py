@@ -271,8 +271,7 @@ def _plane(on: Suspension, element: Record, reading: Record) -> None:
         pull = relaxed_force(element, bound, z)
         slip = shifted(e, -1.0 / element.stick, pull)
     else:
-        pull, slip = slide(element, bound, z, v)
-        element.loss = dot(pull, v) - element.stick * dot(z, sub(v, slip))
+        pull, slip, element.loss = slide(element, bound, z, v)
     on.inner_t[i], on.inner_t[i + 1] = slip.x, slip.y
     f = mixed(-pull.x, a, -pull.y, b)
     put(reading.force, f)
