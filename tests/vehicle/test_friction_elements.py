@@ -129,7 +129,13 @@ def test_friction_takes_power_whatever_its_bound_does() -> None:
             out = accelerations(law, q, q_t)
             power, slip = -out[7:9] @ v, out[12:14]
             assert np.hypot(*out[7:9]) <= bound * (1.0 + 1e-12)
-            assert power - 2e6 * z @ (v - slip) >= -1e-9 * abs(power)
+            taken = power - 2e6 * z @ (v - slip)
+            assert taken >= -1e-9 * abs(power)
+            loss = law.elements["loss"].sum()
+            # no force beyond the bound takes power on the slip, be the spring as far out as it will
+            assert 0.0 <= loss <= bound * np.hypot(*slip) * (1.0 + 1e-12)
+            if 2e6 * np.hypot(*z) <= bound:
+                assert loss == pytest.approx(taken, abs=1e-9 * abs(power))
 
 
 def test_friction_between_bodies_keeps_momentum_and_its_derivatives_are_those_of_its_forces() -> None:
