@@ -24,7 +24,6 @@ from bench_vehicle import MODELS, call_time
 
 from wrsim import load, stepper
 from wrsim.analysis.contacts import force_law
-from wrsim.analysis.motion.run import BENCH_BUDGET
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
 from wrsim.simulation.integrate import Integration
@@ -35,6 +34,7 @@ ROOT = Path(__file__).parents[1]
 STEP = 1e-3
 EVERY = 10  # steps between two states that are compared
 DEADLINE = 1e-3  # [s]
+BUDGET = 7.0  # residuals a wheel and evaluation: with 5.7 us each, 21 for the rest of a wheel, 16 times, .98 ms
 WARM = 100  # steps, of which page faults do not count
 KEYS: dict[str, Any] = {
     "vehicle.speed_kmh": 60.0,
@@ -129,7 +129,7 @@ def main() -> None:
     parser.add_argument("--models", nargs="*", choices=MODELS, default=list(MODELS))
     parser.add_argument("--distance", type=float, default=300.0, help="of the run [m]; an hour is 60000")
     parser.add_argument("--iterations", nargs="*", type=int, default=[2])
-    parser.add_argument("--budget", type=float, default=BENCH_BUDGET, help="residuals a wheel and evaluation; inf: any")
+    parser.add_argument("--budget", type=float, default=BUDGET, help="residuals a wheel and evaluation; inf: any")
     chosen = parser.parse_args()
     found: dict[str, dict[int, dict[str, float]]] = {}
     for model in chosen.models:

@@ -73,7 +73,10 @@ Values: TypeAlias = Annotated[
 ]
 Budget: TypeAlias = Annotated[
     float | None,
-    Option("Residuals of the strip model a wheel and evaluation, shared in a step; inf: any; default 16.", least=2.0),
+    Option(
+        "Residuals of the strip model a wheel and evaluation, shared in a step, to bound its time; default any.",
+        least=2.0,
+    ),
 ]
 Models: TypeAlias = Annotated[Sequence[str | Path], Option("Folder with your model files; may be repeated.", "DIR")]
 Output: TypeAlias = Annotated[AnyPath, into("Folder; results/<name of FILE> unless given.", "DIR")]

@@ -34,7 +34,7 @@ def export_fmu(
 ) -> Unit:
     """A scenario's vehicle as a unit; step: of the integration [s], None: one that holds over the run.
 
-    budget: as `stepper` takes it, None: as it is there; name: of the file, without its ending; systems: that it shall
+    budget: as `stepper` takes it, None: any; name: of the file, without its ending; systems: that it shall
     run on, none for all that there is a compiler for;
     version: of FMI. Raises InputError and SimulationError as `stepper`, WrsimError without a C compiler.
     """

@@ -65,10 +65,8 @@ PEAK_ERROR, BLOW = 0.01, 10.0
 and so w^2, grows with the cube root of the load."""
 SHRUNK = 10.0  # by how much shorter than usual a chosen step of RK44 is reported
 BENCH_STEP, BENCH_ITERATIONS, BENCH_LONGEST = 1e-3, 2, 5e-3  # of vehicles that others move on step by step [s]
-BENCH_BUDGET, LEAST_BUDGET = 16.0, 2.0
-"""Residuals of the strip model a wheel and evaluation: one takes 5.7 us, the rest of a wheel 21 (docs/developers/cost).
-So often as in a step of a coach with two iterations, 16 times, that is 1.8 ms at the most; with a budget of 7, 0.98 ms.
-"""
+LEAST_BUDGET = 2.0
+"""Residuals of the strip model a wheel and evaluation: one at the solution, and one behind a correction."""
 HELD, HELD_SHARE, HALVINGS = 0.01, 0.95, 4
 """A step of a `stepper` holds where in so large a share of the steps of a run at most so much of the weight is left
 without balance. One that is too long leaves as much as the weight in a tenth of them and more."""
@@ -153,7 +151,7 @@ def stepper(
     scenario: Scenario | str | Path,
     step: float = BENCH_STEP,
     iterations: int = BENCH_ITERATIONS,
-    budget: float = BENCH_BUDGET,
+    budget: float = np.inf,
 ) -> Stepper:
     """A vehicle for a test bench or for co-simulation, in the steady motion that a run of the scenario starts from.
 
@@ -206,7 +204,7 @@ def stepper(
 def holding_stepper(scenario: Scenario, step: float | None = None, budget: float | None = None) -> Stepper:
     """A `stepper` with a step [s], or with BENCH_STEP, halved until it holds over the run: ``tried``. Raises
     SimulationError where none does."""
-    budget = BENCH_BUDGET if budget is None else budget
+    budget = np.inf if budget is None else budget
     if step is not None:
         return stepper(scenario, step, budget=budget)
     duration = None
