@@ -100,7 +100,7 @@ class Setup(Generic[P]):
         }
         attributes |= {"structure": self.support} if self.support else {}
         attributes |= {"irregularities": self.begun} if self.begun else {}
-        attributes |= {"train": words} if (words := self.vehicle.assumptions) else {}
+        attributes |= {"train": self.vehicle.assumptions} if self.vehicle.assumptions else {}
         return attributes | ({"stop_reason": stop_reason} if stop_reason else {})
 
 

@@ -78,7 +78,7 @@ def facts(setup: Setup) -> dict[str, Any]:
         "rails": [rail.name for rail in setup.rails],
         **({"structure": setup.support} if setup.support else {}),
         **({"irregularities": setup.begun} if setup.begun else {}),
-        **({"train": words} if (words := vehicle.assumptions) else {}),
+        **({"train": vehicle.assumptions} if vehicle.assumptions else {}),
         "files": [str(f) for f in setup.files],
     }
     if notes := notes_of(setup.profiles):

@@ -89,7 +89,7 @@ class Attachments:
         forces = np.zeros(len(self.modes[part].frequencies))
         if part < len(self.vehicle.wheelsets):
             return forces
-        for element, preload in zip(self.vehicle.elements, preloads, strict=False):
+        for element, preload in zip(self.vehicle.elements, preloads[: len(self.vehicle.elements)], strict=True):
             force = element.directions.T @ preload.force
             arm = np.subtract(element.points[1], element.points[0])
             for name, end, sign in ((element.first, element.points[0], -1.0), (element.second, element.points[1], 1.0)):

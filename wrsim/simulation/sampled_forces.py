@@ -1,4 +1,4 @@
-"""What a force law computes at sampled states, in a workspace of its own: a run may go on with the law meanwhile."""
+"""What a force law computes at sampled states, in a copy of its workspace: a run may go on with the law meanwhile."""
 
 from typing import Any
 

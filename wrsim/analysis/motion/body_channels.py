@@ -224,9 +224,8 @@ Z = COORDINATES.index("z")
 
 
 def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
-    """Kinetic energy of all bodies with their modes, axle boxes and geared motors, and m g z of all bodies, of a train
-    with its vehicles along the track alone, (samples,)
-    [J]."""
+    """Kinetic energy of all bodies with their modes, axle boxes and geared motors, and m g z of all bodies, with the
+    vehicles of a train that move along the track alone, (samples,) [J]."""
     vehicle, n = law.vehicle, 6 * len(law.bodies)
     mass = np.array([body.mass for body in law.bodies])
     kinetic = np.zeros(len(q))
@@ -253,14 +252,10 @@ def power_channels(law: VehicleOnTrack, q_t: Array, known: SampledForces, n: int
     creep, pull = np.zeros(n), np.zeros(n)
     for i in range(2 * len(law.wheels)):
         creep += known.of(f"total {i}", n)["wear"][:, 0] * known.of(f"pose {i}", n)[:, 6]
-    count, speeds = len(law.vehicle.elements), q_t[:, law.wagons] / law.masses
-    dampers = known.of("loss", n)[:, :count].sum(axis=1) + known.of("axle", n)["loss"].sum(axis=1)
+    speeds = q_t[:, law.wagons] / law.masses
+    dampers = known.of("loss", n).sum(axis=1) + known.of("axle", n)["loss"].sum(axis=1)
     if speeds.size:
         dampers += known.of("wagon", n).sum(axis=1)
-        # friction settles within a step: what gears take and give is smooth, what it takes alone is not
-        first, chain = law.vehicle.index(next(iter(law.vehicle.wagons))), law.elements[count:]
-        apart = speeds[:, chain["first"] - first] - speeds[:, chain["second"] - first]
-        dampers += (known.of("reading", n)[:, count:, 0] * apart).sum(axis=1)
     for wheelset, twist in law.twists.items():
         torsion = law.vehicle.wheelsets[wheelset].wheelset.torsion
         dampers += 0.0 if torsion is None else torsion.damping * q_t[:, twist] ** 2
@@ -278,9 +273,9 @@ def power_channels(law: VehicleOnTrack, q_t: Array, known: SampledForces, n: int
 def coupling_channels(law: VehicleOnTrack, q: Array, records: Array) -> dict[str, Array]:
     """Forces of the couplings and how the ends of their vehicles lie to each other, each (samples, couplings).
 
-    q: states (samples, .); records: readings of all elements, also of
-    those between vehicles that move along the track alone (samples, elements, 6). Forward, left and up are those in
-    the middle between both bodies, but for the lateral forces: each is along the left of the body that it acts on.
+    q: states (samples, .); records: readings of all elements (samples, elements, 6), those between vehicles that move
+    along the track alone behind the others. Forward, left and up are those in the middle between both bodies, but for
+    the lateral forces: each is along the left of the body that it acts on.
     """
     vehicle = law.vehicle
     names = ("force", "fy_ahead", "fy_behind", "fz", "extension", "offset", "yaw")

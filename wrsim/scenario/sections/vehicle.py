@@ -113,7 +113,7 @@ class BrakesTable(Section, header="[vehicle.brakes]"):
     """A command to the brakes of a train, which follow it along its brake pipe, in runs."""
 
     time_s_share: _Shares[Annotated[Two[float], Field(description="two numbers [time s, share of the largest force]")]]
-    """Share of the largest force of each vehicle that is asked for from a time on; none before the first row."""
+    """Share of the largest force of each vehicle that is commanded from a time on; none before the first row."""
 
 
 class VehicleSection(Section, header="[vehicle]"):
