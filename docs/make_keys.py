@@ -1,7 +1,7 @@
 """Pages and schemas made from the code. Run: python docs/make_keys.py
 
-The pages, docs/reference/keys.md, commands.md, channels.md, status.md and docs/user/scenarios.md, are written whenever
-the site is built. The schemas, docs/schema/*.json, are committed: editors read them.
+The pages, docs/reference/keys.md, commands.md, channels.md, status.md, spectra.md and docs/user/scenarios.md, are
+written whenever the site is built. The schemas, docs/schema/*.json, are committed: editors read them.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ from wrsim.results import CHANNELS
 from wrsim.scenario.reference import schema_text, tables_of_file
 from wrsim.simulation.recorder import Cause
 from wrsim.study.task import STATUSES
+from wrsim.track.irregularities import CHANNELS as TRACK_CHANNELS
+from wrsim.track.spectra import SPECTRA
 
 HERE = Path(__file__).parent
 REFERENCE = HERE / "reference"
@@ -158,6 +160,40 @@ of the C library is the sum of the bits.
 | [mem] | from memory of a standard or of the literature: check it against the text |
 | [derived] | follows from other numbers as the comment says |
 | [assumed] | a choice of this project |
+"""
+SPECTRA_HEAD = """# Spectra of track irregularities
+Every spectrum by name, made from the code. Densities are **one-sided over the wave number Ω = 2π/λ**, in m²/(rad/m).
+Equations: [track](../theory/track.md). Keys: [`[[track.irregularities]]`](../user/track.md).
+
+The table has the rms in mm of each channel over waves of 3 to 25 m, then over waves of 3 to 100 m: the root of the
+integral of the density over the band. A drawn line has this rms over its period. The period is 16 of the longest waves,
+or the length of the track if that is longer. A short track has few long waves and another rms. `wrsim check` and each
+run print convention, band, rms and missing channels in one line.
+
+| name | also understood as | waves of the fit | {channels} |
+|---|---|---|{bars}|
+{rows}
+A dash: the source has no such channel, and none is drawn. A cell marked [mem] has a figure from memory.
+
+## Sources and conventions
+All densities are one-sided in their sources.
+
+| name | source | convention there |
+|---|---|---|
+| ERRI | ERRI B 176, RP 1, 1989, as others quote it [pub] | rad/m; cross-level: angle over 1.5 m |
+| German | the same, with a gauge as Chinese authors have it: A_g = 5.32e-8, 1.032e-7 m² rad/m [pub] | rad/m |
+| FRA, level | Lei and Noda 2002, as others quote it [pub] | rad/m, A in cm² rad/m |
+| FRA, alignment | classes 1, 2, 5, 6 [pub], 3 and 4 [mem] | rad/m, A in cm² rad/m |
+| FRA, cross-level and gauge | A of the level; Ωs [mem] | rad/m |
+| SNCF | Berawi, doctoral thesis, Porto, as quoted in TTB-2D (Cantero, SoftwareX 20, 2022) [pub] | 1/m, A in m³ |
+| China-HSR | ballastless track, TB/T 3352-2014; three public programs agree [pub] | 1/m, mm²/(1/m) |
+| China-main-line | older fit of the upgraded main lines, read in one public program [pub] | 1/m, mm²/(1/m) |
+
+- **SNCF**: other authors may take the same A over rad/m; amplitudes are then 2.5 times as large.
+- **China-main-line**: left and right rail have densities in the source; their mean is taken. Its waves were not read.
+- **FRA**: authors disagree. The level of another fit (Frýba 1996, quoted in TTB-2D) has 1.6 mm for class 6 and 2.7 mm
+  for class 4 over waves of 3 to 100 m.
+- The gauge of low classes alone may press a wheel into its flange. Choose `channels`, or widen the gauge.
 """
 CAUSES = {
     "": "the run reached the end of the track, `distance_m` or `time_s`; exit code 0",
@@ -289,6 +325,25 @@ def status() -> str:
     )
 
 
+def spectra() -> str:
+    """The page of spectra: names, terms, and the rms of their channels."""
+    rows = ""
+    for name, spectrum in SPECTRA.items():
+        fit = f"{spectrum.waves[0]:g} to {spectrum.waves[1]:g} m" if spectrum.waves else ""
+        cells = [f"`{name}`", ", ".join(spectrum.terms), fit]
+        for channel in TRACK_CHANNELS:
+            sizes = [
+                f"{1e3 * spectrum.rms(channel, (3.0, far)):.2f}"
+                for far in (25.0, 100.0)
+                if channel in spectrum.densities
+            ]
+            cells.append(", ".join(sizes) + " [mem]" * (channel in spectrum.recalled) if sizes else "-")
+        rows += f"| {' | '.join(cells)} |\n"
+    return SPECTRA_HEAD.format(
+        channels=" | ".join(TRACK_CHANNELS), bars="---|" * (len(TRACK_CHANNELS) - 1) + "---", rows=rows
+    )
+
+
 def _meanings(head: str, words: Iterable[str], meanings: Mapping[str, str], of: str = "meaning") -> str:
     """Table of words of the code. Raises ValueError where a word has no meaning, or a meaning no word."""
     if wrong := set(words) ^ set(meanings):
@@ -329,6 +384,7 @@ PAGES = {
     REFERENCE / "commands.md": commands,
     REFERENCE / "channels.md": channels,
     REFERENCE / "status.md": status,
+    REFERENCE / "spectra.md": spectra,
     HERE / "user" / "scenarios.md": scenarios,
 }
 """What makes the text of each page, by its path."""

@@ -7,14 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from support import scenario_texts as texts
 from support.rows import rows_of
 
 from wrsim import Arc, InputError, Straight, Track, Transition, load, load_text, run
 from wrsim.scenario.build import build
-from wrsim.track.irregularities import Bump, Disturbance, Polygon, Sampled
+from wrsim.track.irregularities import WEIGHTS, Bump, Disturbance, Polygon, Sampled
 from wrsim.track.segments import Grade, Segment, pitch_law
-from wrsim.track.spectra import SPECTRA, Realisation
+from wrsim.track.spectra import CHINA_HIGH_SPEED, NAMES, SPECTRA, Realisation
 from wrsim.track.table import TrackTable
 
 table = rows_of(__file__)
@@ -227,10 +228,41 @@ def test_third_octaves_of_the_rails_hold_the_spectrum_within_1_db(long_track: Tr
     for channel, own in measured.items():
         edges, found = third_octaves(own, step, 1.25, 100.0)
         bands = [np.linspace(a, b, 201) for a, b in pairwise(edges)]
-        wanted = np.array([np.trapezoid(SPECTRA["ERRI-high"][channel](w), w) for w in bands])
+        wanted = np.array([np.trapezoid(SPECTRA["ERRI-high"].densities[channel](w), w) for w in bands])
         assert np.abs(10.0 * np.log10(found / wanted)).max() < 1.0, channel
     gauge = left[:, 1] - right[:, 1]
     assert np.abs(gauge - gauge[0]).max() < 1e-8  # B176 has none; what is left are the rows
+
+
+@pytest.mark.parametrize("name", SPECTRA)
+def test_a_line_of_one_period_has_the_rms_of_the_density_over_its_band(name: str) -> None:
+    """4096 samples are 16 of the longest waves: the sum of the lines then has exactly their variance."""
+    line = Realisation(name, 3, 2.0, 64.0, 0.0, 4095.0 / 4.0, fade=1e-3)
+    drawn = {each.weights: each.shape for each in line.disturbances()}
+    assert len(drawn) == len(SPECTRA[name].densities)
+    s, edges = np.arange(4096) / 4.0, (2.0 * math.pi / 64.0, math.pi)
+    for channel, density in SPECTRA[name].densities.items():
+        values = drawn[WEIGHTS[channel]].jet(s)[0]
+        jumps = [2.0 * math.pi * f for rows in CHINA_HIGH_SPEED.values() for f in rows[0]]  # only China-HSR has them
+        within = sorted(w for w in jumps if edges[0] < w < edges[1])
+        integral = math.sqrt(quad(lambda w, of=density: float(of(np.array(w))), *edges, points=within, limit=200)[0])
+        # 1e-3: quadrature of a line within which the density jumps, and the two samples that fade out
+        assert np.sqrt(np.mean(values**2)) == pytest.approx(integral, rel=2e-3), channel
+        assert SPECTRA[name].rms(channel, (2.0, 64.0)) == pytest.approx(integral, rel=1e-3)
+
+
+def test_published_points_of_spectra_and_their_units() -> None:
+    """SNCF: A at n = 0 (Berawi, thesis, Porto, over 1/m); TB/T 3352: 0.458 mm2/(1/m) at f = 0.1 per m, level;
+    German gauge and cross-level have one shape; names of other authors are understood."""
+    w = 2.0 * math.pi * np.array([1e-9, 0.1])
+    assert SPECTRA["SNCF-good"].densities["level"](w)[0] == pytest.approx(0.509 * 308e-6 / (2.0 * math.pi), rel=1e-6)
+    level = SPECTRA["China-HSR"].densities["level"](w)[1]
+    assert level * 2.0 * math.pi * 1e6 == pytest.approx(1.9784e-2 / 0.1**1.3643, rel=1e-12)
+    german = SPECTRA["German-low"].densities
+    assert german["cross-level"](w) / german["gauge"](w) == pytest.approx(4.0 * 4.032 / 0.532, rel=1e-4)
+    assert {name: NAMES.understood(name) for name in ("AAR-5", "tb/t 3352", "ERRI B176 low", "fra 6")} == {
+        "AAR-5": "FRA-5", "tb/t 3352": "China-HSR", "ERRI B176 low": "ERRI-low", "fra 6": "FRA-6",
+    }  # fmt: skip
 
 
 def test_the_same_seed_gives_the_same_track_to_the_bit_and_another_seed_another(long_track: Track) -> None:
@@ -252,7 +284,7 @@ def test_irregularities_begin_gently_and_are_rougher_the_lower_their_class() -> 
     assert np.abs(track.irregularity("left", np.linspace(70.0, 130.0, 50))).max() > 1e-3
     w = 2.0 * math.pi / np.array([20.0])
     for channel in ("alignment", "level"):
-        densities = [SPECTRA[f"FRA-{i}"][channel](w)[0] for i in range(1, 7)]
+        densities = [SPECTRA[f"FRA-{i}"].densities[channel](w)[0] for i in range(1, 7)]
         assert (np.diff(densities) < 0.0).all()
 
 
@@ -469,5 +501,6 @@ def test_a_run_that_starts_within_irregularities_starts_on_even_track() -> None:
     (late, rate, _), (early, before_rate, _) = own.lateral(s + h), own.lateral(s - h)
     assert (late - early) / (2.0 * h) == pytest.approx(slope, abs=1e-8) and np.ptp(value) > 1e-4
     assert (rate - before_rate) / (2.0 * h) == pytest.approx(bend, abs=1e-7)
-    assert setup.attributes()["irregularities"] == setup.begun and f"from {front:g} m on" in setup.begun
-    assert not build(load_text(LINE.replace("seed = 1", "seed = 1\nfrom_m = 11"))).begun
+    note = str(setup.attributes()["irregularities"])
+    assert f"from {front:g} m on" in note and "ERRI-low" in note and "not in this spectrum: gauge" in note
+    assert "fade in" not in build(load_text(LINE.replace("seed = 1", "seed = 1\nfrom_m = 11"))).irregularities

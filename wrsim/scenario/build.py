@@ -52,7 +52,7 @@ class Setup(Generic[P]):
     profiles and contact models; plan: what the analysis has to do, from its own table; files: model files that were
     read; inputs: SHA-256 of every file that was read, by its name; kept: names and contents of the model files
     (`wrsim.scenario.kept`); threads: that compute contacts, which changes no number; support: what the rails of a run
-    rest on; begun: where irregularities fade in at its start."""
+    rest on; irregularities: spectra that are drawn, and where they fade in at the start of a run."""
 
     title: str
     analysis: str
@@ -71,7 +71,7 @@ class Setup(Generic[P]):
     kept: KeptFiles = field(default_factory=KeptFiles)
     threads: int = 1
     support: str = ""
-    begun: str = ""
+    irregularities: str = ""
 
     @property
     def wheelset(self) -> Wheelset:
@@ -99,7 +99,7 @@ class Setup(Generic[P]):
             **noted(self.profiles),
         }
         attributes |= {"structure": self.support} if self.support else {}
-        attributes |= {"irregularities": self.begun} if self.begun else {}
+        attributes |= {"irregularities": self.irregularities} if self.irregularities else {}
         attributes |= {"train": self.vehicle.assumptions} if self.vehicle.assumptions else {}
         return attributes | ({"stop_reason": stop_reason} if stop_reason else {})
 
@@ -193,7 +193,7 @@ def _build(scenario: Scenario, shared: Callable[..., Any]) -> Setup[Any]:
         plan=plan,
         text=scenario.text,
         support=support_words(track, spec.track.structure is None, rollers) if analysis.moves or rollers else "",
-        begun=begun,
+        irregularities="; ".join(filter(None, (*(each.label() for each in spec.track.irregularities), begun))),
     )
 
 

@@ -13,7 +13,7 @@ from wrsim.inputs.us_units import FOOT
 from wrsim.inputs.values import List, Two, fields, number, positive, text, words
 from wrsim.results.channels import table
 from wrsim.track.irregularities import CHANNELS, Bump, Channel, Disturbance, Polygon, Rail, Shape
-from wrsim.track.spectra import SPECTRA, Realisation
+from wrsim.track.spectra import NAMES, Realisation
 from wrsim.track.table import TrackTable
 from wrsim.track.track import ROUNDING
 
@@ -47,6 +47,10 @@ class IrregularityTable(Choice, header="[[track.irregularities]]"):
         """On a track of this length [m]; file: that of a table. Raises InputError where it leaves the track."""
         raise NotImplementedError
 
+    def label(self) -> str:
+        """What a number in it assumes; empty where its keys say all."""
+        return ""
+
 
 class _Stretch(IrregularityTable):
     """Irregularities over a stretch of the track."""
@@ -62,8 +66,8 @@ class _Stretch(IrregularityTable):
 class SpectrumSection(_Stretch, kind="spectrum"):
     """Irregularities drawn from a spectrum."""
 
-    spectrum: Literal[*SPECTRA]  # type: ignore[valid-type]
-    """Whose density, of which quality of track."""
+    spectrum: NAMES.key()  # type: ignore[valid-type]
+    """Whose density, of which quality of track; docs/reference/spectra.md has them."""
     seed: Annotated[int, number(0, 2**31 - 1)]
     """Number that decides which of all tracks with this spectrum is drawn; the same seed gives the same track."""
     wavelength_m: Band = (3.0, 100.0)
@@ -75,14 +79,20 @@ class SpectrumSection(_Stretch, kind="spectrum"):
 
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
         end = _room(self.from_m, length if self.to_m is None else self.to_m, length, "to_m")
-        short, long = self.wavelength_m
+        long = self.wavelength_m[1]
         if end - self.from_m < long:
             room = f"from {self.from_m:g} to {end:g} m there is no room"
             raise InputError(f"{room} for the longest wavelength, {long:g} m (wavelength_m)")
-        drawn = Realisation(
+        return self._drawn(end).disturbances()
+
+    def label(self) -> str:
+        return self._drawn(self.from_m).label()
+
+    def _drawn(self, end: float) -> Realisation:
+        short, long = self.wavelength_m
+        return Realisation(
             self.spectrum, self.seed, short, long, self.from_m, end, self.scale, self.fade_m, self.channels
         )
-        return drawn.disturbances()
 
 
 class TableSection(_Stretch, kind="table"):
