@@ -102,7 +102,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
                 uneven += table.disturbances(0.0, TABLE_FADE)
         else:
             row = row or (Straight(LEVEL_TRACK),)
-            law = laws(row, gauge, ROUNDING)
+            law = laws(row, gauge, ROUNDING, section.cant_base)
     for i, entry in enumerate(section.irregularities):
         key = ("track", "irregularities", i)
         file = scenario.find((*key, "file"), entry.file) if isinstance(entry, TableSection) else Path()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import factorial, perm
 
 import numpy as np
@@ -11,6 +11,33 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 Jet = tuple[Array, Array, Array]  # value, slope and second derivative
+
+DEGREE = 22  # of the interpolation of laws that are no polynomials
+_ANGLE = np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)
+NODES: Array = 0.5 + 0.5 * np.cos(_ANGLE)
+"""Shares of a piece at which `interpolant` takes values: Chebyshev's nodes."""
+
+
+def interpolant(values: ArrayLike) -> Array:
+    """Polynomials of the share xi = 0..1 through values (..., n) at the NODES: coefficients of rising powers (..., n).
+
+    Terms of the Chebyshev series below rounding are left out.
+    """
+    values = np.asarray(values, dtype=np.float64)
+    series = values @ np.cos(_ANGLE[:, None] * np.arange(DEGREE + 1)) * 2.0 / (DEGREE + 1)
+    series[..., 0] *= 0.5
+    series[np.abs(series) < 1e-15 * np.abs(series).max(axis=-1, keepdims=True)] = 0.0
+    return np.asarray(series @ _chebyshev_powers())
+
+
+@cache
+def _chebyshev_powers() -> Array:
+    """Coefficients of rising powers of xi in Chebyshev's polynomials of 2 xi - 1, one a row."""
+    rows = np.eye(DEGREE + 1)
+    rows[1, :2] = -1.0, 2.0
+    for k in range(2, DEGREE + 1):
+        rows[k] = 4.0 * np.roll(rows[k - 1], 1) - 2.0 * rows[k - 1] - rows[k - 2]
+    return rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +140,7 @@ class Piecewise:
         joint, jump = edges[1:-1][real], (behind - before)[real]
         width = np.minimum(half_width, np.minimum(length[:-1], length[1:]))[real]
         parts = np.unique(np.clip(np.concatenate([edges, joint - width, joint + width]), 0.0, self.end))
-        orders = range(4, -1, -1)
+        orders = range(max(4, len(self.pieces.c) - 1), -1, -1)
         c = np.array([self.pieces(parts[:-1], n) / factorial(n) for n in orders])
         # (1 - a)^3 (3 + a) from s - w to s and from s to s + w, in falling powers of the distance from there over w
         halves = np.array([[-1.0, -1.0], [4.0, 0.0], [0.0, 6.0], [0.0, -8.0], [0.0, 3.0]])
@@ -122,8 +149,8 @@ class Piecewise:
         neighbours = np.arange(which.size) + np.repeat(last - np.cumsum(last - first), last - first)
         s, w, half = joint[which], width[which], (parts[neighbours] >= joint[which]).astype(int)
         powers = np.cumprod([np.ones(neighbours.size), *[parts[neighbours] - np.where(half, s, s - w)] * 4], axis=0)
-        bump = (jump * width / 16.0)[which] * halves[:, half] / w ** np.array(orders)[:, None]
-        for row, n in zip(c, orders, strict=True):
+        bump = (jump * width / 16.0)[which] * halves[:, half] / w ** np.array(orders[-5:])[:, None]
+        for row, n in zip(c[-5:], orders[-5:], strict=True):
             slopes = sum(bump[4 - k] * powers[k - n] * perm(k, n) for k in range(n, 5))
             np.add.at(row, neighbours, slopes / factorial(n))
         return Piecewise(Polynomials(c, parts)) if real.any() else self

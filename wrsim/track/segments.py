@@ -12,11 +12,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from numbers import Real
-from typing import Literal
 
 import numpy as np
 
 from wrsim.errors import InputError, suggest
+from wrsim.track.cant import RAIL_HEAD_WIDTH
+from wrsim.track.forms import CANT_FORMS, FORMS, CantForm, Form, checked_shift, curvature_law, ramp_law
 from wrsim.track.piecewise import Piecewise
 
 LONGEST = 1e5  # longest segment [m]
@@ -24,7 +25,7 @@ MAX_CANT = 0.25  # largest cant [m]; railways use up to 0.18 m
 MAX_WIDENING = 0.1  # largest change of the gauge [m]; railways use up to 0.03 m
 LARGEST = {"cant": MAX_CANT, "gauge_widening": MAX_WIDENING}
 SHORTEST = 1e-9  # shortest segment [m]
-FORMS = ("clothoid", "bloss")
+HIGHEST = 5.0  # largest height of a centre of gravity above the rail tops [m]; of vehicles it is up to 2.5 m
 
 
 @dataclass(frozen=True)
@@ -58,11 +59,20 @@ class Transition:
     """Track whose curvature, cant and gauge run from those of the segment before to those of the segment
     behind.
 
-    length [m]; form "clothoid": linear ramps; "bloss": ramps 3 xi^2 - 2 xi^3, slope zero at both ends.
+    length [m]; form of the ramps, of `wrsim.track.forms`; cant_form: of cant and gauge where they differ from the
+    curvature. radius_start, radius_end [m] and the cant [m] there are given where no arc or straight beside it says
+    them; an infinite radius is straight track. centre_of_gravity_height [m] above the rail tops, of a Viennese bend:
+    its curvature is that of the path of this point, and the centre line deviates by the cant.
     """
 
     length: float
-    form: Literal["clothoid", "bloss"] = "clothoid"
+    form: Form = "clothoid"
+    cant_form: CantForm | None = None
+    radius_start: float | None = None
+    radius_end: float | None = None
+    cant_start: float = 0.0
+    cant_end: float = 0.0
+    centre_of_gravity_height: float | None = None
 
 
 Segment = Straight | Arc | Transition
@@ -93,40 +103,74 @@ def check_segments(segments: Sequence[Segment], gauge: float) -> None:
             raise InputError(f"segment {number} is a {type(segment).__name__}; allowed: Straight, Transition, Arc")
         where = f"segment {number} ({kind_word(segment)})"
         for key, value in vars(segment).items():
-            if key != "form":
+            if not key.endswith("form") and value is not None:
                 _check_number(where, key, value)
         if not segment.length >= SHORTEST:
             raise InputError(f"{where}: length_m = {segment.length:g}; allowed: above 0, {SHORTEST:g} at least")
         if isinstance(segment, Transition):
-            if segment.form not in FORMS:
-                hint = suggest(str(segment.form), FORMS)
-                raise InputError(f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}")
-            if number > 1 and isinstance(segments[number - 2], Transition):
-                message = "follows another transition, so the curvature between them is open; allowed: one transition"
-                raise InputError(f"{where} {message} between two arcs or straights (put an arc or a straight between)")
+            _check_transition(where, segment, segments[number - 2] if number > 1 else None)
         if isinstance(segment, Arc) and abs(segment.radius) <= gauge:
             hint = "the inner rail of a tighter curve does not exist, straight track is a straight"
             allowed = f"above the gauge ({gauge:g} m) in size, positive to the left; {hint}"
             raise InputError(f"{where}: radius_m = {segment.radius:g}; allowed: {allowed}")
 
 
-def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
+def _check_transition(where: str, segment: Transition, before: Segment | None) -> None:
+    """Refuse unknown forms and what a transition leaves open."""
+    choices: tuple[tuple[str, str, tuple[str, ...]], ...] = (
+        ("form", segment.form, FORMS),
+        ("cant_form", segment.cant_form or "linear", CANT_FORMS),
+    )
+    for key, value, allowed in choices:
+        if value not in allowed:
+            hint = suggest(str(value), allowed)
+            raise InputError(f"{where}: {key} = {value!r}; allowed: {', '.join(map(repr, allowed))}{hint}")
+    for key in ("radius_start", "radius_end"):
+        if (radius := getattr(segment, key)) is None and getattr(segment, key.replace("radius", "cant")):
+            cant = key.replace("radius", "cant")
+            raise InputError(f"{where}: {cant}_mm goes with {key}_m; without it the segment beside says both")
+        if radius is not None and abs(radius) < 1.0:
+            raise InputError(f"{where}: {key}_m = {radius:g}; allowed: 1 m and more in size, of either sign")
+    height = segment.centre_of_gravity_height
+    if height is not None and (segment.form != "viennese" or not 0.0 <= height <= HIGHEST):
+        limits = f'0 to {HIGHEST:g}, with form = "viennese" (now {segment.form!r})'
+        raise InputError(f"{where}: centre_of_gravity_height_m = {height:g}; allowed: {limits}")
+    if isinstance(before, Transition) and (before.radius_end is None) == (segment.radius_start is None):
+        said = "and both say" if segment.radius_start is not None else "so the curvature between them is open; give"
+        message = f"follows another transition, {said} it: radius_end_m of the first or radius_start_m of the second"
+        raise InputError(f"{where} {message}; or put an arc or a straight between")
+
+
+def laws(segments: Sequence[Segment], gauge: float, rounding: float, cant_base: float | None = None) -> Laws:
     """Curvature, cant and widening over distance for a row of segments.
 
-    Ramps are linear or those of A. E. Bloss, Der Uebergangsbogen mit geschwungener Ueberhoehungsrampe, Organ fuer die
-    Fortschritte des Eisenbahnwesens 73 (1936) 319-320. rounding: half length [m] over which kinks of cant and gauge are
-    rounded (`Piecewise.rounded`): a rail is a beam and has no kinks. Raises InputError for wrong values and for jumps
-    of cant or gauge.
+    rounding: half length [m] over which kinks of cant and gauge are rounded (`Piecewise.rounded`): a rail is a beam and
+    has no kinks. cant_base: as `wrsim.track.track.Track.from_laws` takes it, for Viennese bends. Raises InputError for
+    wrong values, for jumps of cant or gauge, and where a transition contradicts its neighbour.
     """
     check_segments(segments, gauge)
+    base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
     edges = np.concatenate(([0.0], np.cumsum([float(s.length) for s in segments])))
     hands = _hands(segments)
     start, end = np.array([_ends(segments, hands, i) for i in range(len(segments))]).transpose(1, 2, 0)
-    bloss = np.array([isinstance(s, Transition) and s.form == "bloss" for s in segments])
-    rise, none = end - start, np.zeros(start.shape)
-    linear = np.stack((start, rise, none, none), axis=-1)
-    rows = np.where(bloss[:, None], np.stack((start, none, 3.0 * rise, -2.0 * rise), axis=-1), linear)
-    curvature, cant, widening = (Piecewise.of_rows(edges, values) for values in rows)
+    forms = [s.form if isinstance(s, Transition) else "clothoid" for s in segments]
+    shift = [
+        checked_shift(f"segment {i + 1} (transition)", s.form, start[0, i], end[0, i], s.length,
+                      (end[1, i] - start[1, i]) / base, s.centre_of_gravity_height)
+        if isinstance(s, Transition) else 0.0
+        for i, s in enumerate(segments)
+    ]  # fmt: skip
+    curvature = curvature_law(edges, start[0], end[0], forms, shift)
+    cant_forms = [getattr(s, "cant_form", None) or form for s, form in zip(segments, forms, strict=True)]
+    cant, widening = (ramp_law(edges, start[k], end[k], cant_forms) for k in (1, 2))
+    for i in np.flatnonzero(np.abs(start[0, 1:] - end[0, :-1]) > 1e-12).tolist():
+        for transition, key in ((segments[i], "radius_end"), (segments[i + 1], "radius_start")):
+            if getattr(transition, key, None) is not None:
+                raise InputError(
+                    f"segment {i + 1} ({kind_word(segments[i])}) ends with a curvature of {1e3 * end[0, i]:g} per km, "
+                    f"segment {i + 2} ({kind_word(segments[i + 1])}) begins with {1e3 * start[0, i + 1]:g}; allowed: "
+                    f"{key}_m as the segment beside has it, or leave it out"
+                )
     for law, key in ((cant, "cant"), (widening, "gauge_widening")):
         before, behind = law.joints()
         for i in np.flatnonzero(np.abs(behind - before) > 1e-9)[:1]:
@@ -139,6 +183,7 @@ def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
     return Laws(curvature, cant.rounded(rounding), widening.rounded(rounding))
 
 
+RADII = ("radius", "radius_start", "radius_end")
 State = tuple[float, float, float]
 LEVEL: State = (0.0, 0.0, 0.0)
 
@@ -155,18 +200,26 @@ def _ends(segments: Sequence[Segment], hands: Sequence[tuple[float, float]], i: 
             (0.0, start * segment.cant_start, segment.gauge_widening_start),
             (0.0, end * segment.cant_end, segment.gauge_widening_end),
         )
-    return (
-        _ends(segments, hands, i - 1)[1] if i else LEVEL,
-        _ends(segments, hands, i + 1)[0] if i + 1 < len(segments) else LEVEL,
-    )
+    before = _ends(segments, hands, i - 1)[1] if i and segment.radius_start is None else LEVEL
+    behind = _ends(segments, hands, i + 1)[0] if i + 1 < len(segments) and segment.radius_end is None else LEVEL
+    if segment.radius_start is not None:
+        before = (1.0 / segment.radius_start, _hand(segment.radius_start, hands[i][0]) * segment.cant_start, 0.0)
+    if segment.radius_end is not None:
+        behind = (1.0 / segment.radius_end, _hand(segment.radius_end, hands[i][1]) * segment.cant_end, 0.0)
+    return before, behind
+
+
+def _hand(radius: float, straight: float) -> float:
+    """Hand of a curve, +1 left, -1 right, and of a straight that of a curve beside it."""
+    return math.copysign(1.0, radius) if math.isfinite(radius) else straight
 
 
 def _hands(segments: Sequence[Segment]) -> list[tuple[float, float]]:
-    """Hand (+1 left, -1 right) of the nearest arc before and behind each segment, or of the one on the other side."""
+    """Hand (+1 left, -1 right) of the nearest curve before and behind each segment, or of the one on the other side."""
 
     def passed(row: Iterable[Segment]) -> list[float]:
-        arcs = (math.copysign(1.0, segment.radius) if isinstance(segment, Arc) else 0.0 for segment in row)
-        return list(accumulate(arcs, lambda last, arc: arc or last, initial=0.0))
+        radii = ([r for r in (getattr(s, key, None) for key in RADII) if r and math.isfinite(r)] for s in row)
+        return list(accumulate(radii, lambda last, r: math.copysign(1.0, r[0]) if r else last, initial=0.0))
 
     before, behind = passed(segments), passed(reversed(segments))[-2::-1]
     return [(b or f or 1.0, f or b or 1.0) for b, f in zip(before, behind, strict=False)]
@@ -182,6 +235,8 @@ def _check_number(where: str, key: str, value: object) -> None:
     """Refuse what is not a finite number [m], and cant and widening that are too large."""
     most = LARGEST.get(key.removesuffix("_start").removesuffix("_end"))
     key = f"{key}_mm" if most else f"{key}_m"
+    if key[:-2] in RADII[1:] and isinstance(value, float) and math.isinf(value):
+        return  # straight
     if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
         raise InputError(f"{where}: {key} = {value!r}; allowed: a finite number")
     if most:

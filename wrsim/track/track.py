@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -23,6 +23,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.notebook import card
 from wrsim.track.bridge import Bridge
 from wrsim.track.cant import RAIL_HEAD_WIDTH, STANDARD_GAUGE
+from wrsim.track.forms import LABEL
 from wrsim.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.track.path import Path
 from wrsim.track.piecewise import Array
@@ -120,7 +121,8 @@ class Track:
         check_range("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
         check_range("track", "rounding_m", rounding, 1e-3, 20.0)
         segments = tuple(segments)
-        return cls.from_laws(laws(segments, gauge, rounding), gauge, segments=segments, **options)
+        law = laws(segments, gauge, rounding, options.get("cant_base"))
+        return cls.from_laws(law, gauge, segments=segments, **options)
 
     @property
     def bridge(self) -> Bridge | None:
@@ -274,7 +276,7 @@ class Track:
         """The segments in order, with labels and distances, for plots and reports."""
         if not self.segments:
             return (Feature("table", "measured", 0.0, self.length),)
-        ends = pairwise(self.centre_line.curvature_law.breaks.tolist())
+        ends = pairwise(accumulate((float(s.length) for s in self.segments), initial=0.0))
         return tuple(Feature(kind_word(s), _label(s), *ends) for s, ends in zip(self.segments, ends, strict=True))
 
     def _curve(self, side: str) -> SweptCurve:
@@ -287,4 +289,4 @@ def _label(segment: Segment) -> str:
     """Short text for a segment."""
     if isinstance(segment, Arc):
         return f"R {abs(segment.radius):g} m {'left' if segment.radius > 0.0 else 'right'}"
-    return {"bloss": "Bloss"}.get(segment.form, segment.form) if isinstance(segment, Transition) else "straight"
+    return LABEL.get(segment.form, segment.form) if isinstance(segment, Transition) else "straight"

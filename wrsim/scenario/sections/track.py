@@ -16,6 +16,7 @@ from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySec
 from wrsim.scenario.sections.structure import AnyStructure
 from wrsim.track import segments
 from wrsim.track.cant import cant_base
+from wrsim.track.forms import CantForm, Form
 
 Length = Annotated[float, number(0.01, segments.LONGEST, "m")]
 LENGTHS = number_limits(unpacked(Length).limits)[:2]
@@ -85,16 +86,48 @@ class StraightSegment(SegmentTable, kind="straight"):
     """By how much the gauge is wider than gauge_mm where the piece ends."""
 
 
+EndRadius = Annotated[
+    float,
+    Predicate(lambda radius: radius == 0.0 or 10.0 <= abs(radius) <= 1e6),
+    Field(
+        description="a number of size 10 to 1000000 (m, positive curves to the left, negative to the right), or 0 for "
+        "straight track"
+    ),
+]
+
+
 class TransitionSegment(SegmentTable, kind="transition"):
     """From the curvature and cant of the segment before to those of the segment after."""
 
-    geometry = segments.Transition
     also_called = "spiral easement ramp"
+    goes_with = {"cant_start_mm": "radius_start_m", "cant_end_mm": "radius_end_m"}
 
     length_m: Length
     """Length along the centre line."""
-    form: Literal["clothoid", "bloss"] = "clothoid"
-    """How curvature, cant and gauge lead over: linearly, or by Bloss's polynomial."""
+    form: Form = "clothoid"
+    """How curvature, cant and gauge lead over; cant and gauge of a cubic parabola linearly."""
+    cant_form: CantForm | None = None
+    """How cant and gauge lead over where they do not as the curvature."""
+    radius_start_m: EndRadius | None = None
+    """Radius where it begins, behind another transition; 0 is straight track."""
+    radius_end_m: EndRadius | None = None
+    """Radius where it ends, before another transition; 0 is straight track."""
+    cant_start_mm: Cant = 0.0
+    """Cant where it begins, with radius_start_m."""
+    cant_end_mm: Cant = 0.0
+    """Cant where it ends, with radius_end_m."""
+    centre_of_gravity_height_m: Annotated[float, number(0, segments.HIGHEST, "m above the rail tops")] | None = None
+    """Height of the point whose path a Viennese bend shapes; the centre line deviates by the cant."""
+
+    def consistency(self) -> Iterator[Fault]:
+        if self.centre_of_gravity_height_m is not None and self.form != "viennese":
+            yield Fault("centre_of_gravity_height_m", f'goes with form = "viennese" (form is "{self.form}")')
+
+    def to_geometry(self) -> segments.Transition:
+        radii = {key: getattr(self, f"{key}_m") for key in ("radius_start", "radius_end")}
+        return self.to_si(
+            segments.Transition, **{key: math.inf if radius == 0.0 else radius for key, radius in radii.items()}
+        )
 
 
 class ArcSegment(SegmentTable, kind="arc"):
@@ -249,11 +282,12 @@ class TrackSection(Section, header="[track]"):
         yield from both_or_sides(raw, "rail", needed=words(RailName))
         yield from grades_in_order(raw.get("grades"))
         row = raw.get("segments")
-        kinds = [s.get("kind") if isinstance(s, dict) else None for s in row] if isinstance(row, list) else []
-        for i in range(1, len(kinds)):
-            if kinds[i - 1] == kinds[i] == "transition":
-                message = "follows another transition: put an arc or a straight between them"
-                yield Fault(("segments", i), message)
+        tables = [s if isinstance(s, dict) else {} for s in row] if isinstance(row, list) else []
+        for i, (before, table) in enumerate(pairwise(tables), 1):
+            open_or_twice = ("radius_end_m" in before) == ("radius_start_m" in table)
+            if before.get("kind") == table.get("kind") == "transition" and open_or_twice:
+                message = "follows another transition: put an arc or a straight between them, or give one of "
+                yield Fault(("segments", i), message + "radius_end_m of the first and radius_start_m of the second")
 
     def consistency(self) -> Iterator[Fault]:
         if not self.gauge_mm <= self.cant_base * 1000.0 <= self.gauge_mm + 500.0:
