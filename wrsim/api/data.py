@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -91,6 +92,7 @@ def read_recording(
     speed_kmh: Annotated[
         float | None, Option("Speed of the scenario; default: 100 mm of cant deficiency, 160 at most.")
     ] = None,
+    track_class: Annotated[bool, Option("Class of track by 49 CFR 213 of every 100 ft.")] = False,
     models: options.Models = (),
     pictures: options.Pictures = True,
 ) -> Outcome:
@@ -110,6 +112,7 @@ def read_recording(
     from wrsim.inputs.values import number
     from wrsim.recording.scenario_file import restored_track
     from wrsim.recording.tables import recording_numbers, recording_tables
+    from wrsim.recording.track_class import class_table, track_classes, unknown
     from wrsim.report.outputs import write_recording
 
     check_value(Annotated[float, number(1, 500, "km/h")] | None, speed_kmh, "--speed-kmh")
@@ -118,11 +121,14 @@ def read_recording(
         raise InputError(f"{path}: is {kind}; the table of a recording is needed here")
     chosen = columns_of(path, columns)
     track = restored_track(path, chosen, chord_m, band, (from_m, to_m), wavelength_m, amplification, transitions)
+    windows = track_classes(track) if track_class else ()
+    tables = recording_tables(track) + ([class_table(windows, missing=unknown(track))] if windows else [])
+    numbers = recording_numbers(track) | ({"track_class": [*map(asdict, windows)]} if windows else {})
     if folder is None:
-        return Outcome(recording_tables(track), recording_numbers(track), value=track)
-    files = write_recording(track, folder, vehicle, speed_kmh, list(map(Path, models)), pictures)
+        return Outcome(tables, numbers, value=track)
+    files = write_recording(track, folder, vehicle, speed_kmh, list(map(Path, models)), pictures, windows)
     lines = [f"run it with: wrsim run {folder / 'scenario.toml'}"]
-    return Outcome(recording_tables(track), recording_numbers(track), files, track, folder=folder, lines=lines)
+    return Outcome(tables, numbers, files, track, folder=folder, lines=lines)
 
 
 def columns_of(file: Path, columns: str | Path | None) -> Path | None:

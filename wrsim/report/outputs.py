@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from wrsim.analysis.stationary.loops import RotationTest, TwistTest
     from wrsim.contact.profiles.profile import Kind, Profile
     from wrsim.recording.restoring import Restored
+    from wrsim.recording.track_class import ClassWindow
     from wrsim.results import Result
     from wrsim.vehicle.vehicle import Vehicle
 
@@ -124,11 +125,13 @@ def write_conicity_map(conicity: ConicityMap, directory: Path, pictures: bool) -
 
 
 def write_recording(
-    restored: Restored, directory: Path, vehicle: str, speed: float | None, models: Iterable[Path], pictures: bool
-) -> list[Path]:
-    """All files of a restored track, none of them before it is sure that no file of the user's is in the way."""
+    restored: Restored, directory: Path, vehicle: str, speed: float | None, models: Iterable[Path], pictures: bool,
+    windows: tuple[ClassWindow, ...] = (),
+) -> list[Path]:  # fmt: skip
+    """All files of a restored track and of its class windows, none before it is sure that no file is in the way."""
     from wrsim.recording import scenario_file as recorded
     from wrsim.recording.picture import recording_figure
+    from wrsim.recording.track_class import CLASSES, class_table
     from wrsim.scenario.build import build
     from wrsim.scenario.loading import load
 
@@ -138,7 +141,7 @@ def write_recording(
         recorded.IRREGULARITIES: as_csv(recorded.irregularity_rows(restored)),
         recorded.TRACK: recorded.track_file(restored, datetime.date.today().isoformat()).encode(),
         recorded.SCENARIO: recorded.scenario_file(restored, vehicle, speed or recorded.usual_speed(restored)).encode(),
-    }
+    } | ({CLASSES: as_csv(as_rows(class_table(windows, len(windows))))} if windows else {})
     if (keeper := KEEPER.get()) is not None:
         for name in (*contents, *(f"recording.{kind}" for kind in LOOK.get().kinds)):
             keeper.check(directory / name)
