@@ -4,14 +4,14 @@ Sources: A. E. Bloss, Organ fuer die Fortschritte des Eisenbahnwesens 73 (1936) 
 (ISO 16739-1:2024), IfcAlignmentHorizontalSegmentTypeEnum and IfcAlignmentCantSegmentTypeEnum.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import factorial, pi
 from typing import Literal, get_args
 
 import numpy as np
 
 from wrsim.contact.profiles.curves import gauss_integrals, subdivided
-from wrsim.errors import InputError
+from wrsim.errors import InputError, suggest
 from wrsim.track.piecewise import NODES, Array, Piecewise, interpolant
 
 Form = Literal["clothoid", "bloss", "cosine", "sine", "cubic parabola", "helmert", "viennese"]
@@ -39,6 +39,22 @@ RAMPS: dict[str, tuple[Array, ...]] = {
 }
 """Ramps f(xi) from 0 to 1 in one or two equal parts: coefficients of rising powers of the share of the part."""
 RAMPS |= {"linear": RAMPS["clothoid"], "cubic parabola": RAMPS["clothoid"]}
+
+
+def check_form(where: str, key: str, form: str, allowed: tuple[str, ...]) -> None:
+    """Refuse an unknown form."""
+    if form not in allowed:
+        hint = suggest(str(form), allowed)
+        raise InputError(f"{where}: {key} = {form!r}; allowed: {', '.join(map(repr, allowed))}{hint}")
+
+
+def distance_at(stretch: Callable[[Array], Array], start: Array, length: Array) -> Array:
+    """x (m,) up to which the integral of ``stretch`` from start on is the length (m,), by Newton's method; a stretch of
+    1 to 1.1 in pieces of one polynomial."""
+    x = start + length / stretch(start)
+    for _ in range(6):
+        x += (length - gauss_integrals(stretch, start, x, 32)) / stretch(x)
+    return np.asarray(x)
 
 
 def ramp_law(edges: Array, start: Array, end: Array, forms: Sequence[str]) -> Piecewise:
@@ -107,10 +123,7 @@ def _cubic_parabola(start: float, end: float, length: float) -> Array:
     def stretch(x: Array) -> Array:
         return np.hypot(1.0, least * x + 0.5 * rate * x**2)
 
-    s = length * NODES - flat
-    x = s.copy()
-    for _ in range(8):  # Newton from x = s, where the slope is below STEEPEST_PARABOLA: squares the error
-        x += (s - gauss_integrals(stretch, np.zeros_like(x), x, 32)) / stretch(x)
+    x = distance_at(stretch, np.zeros(NODES.size), length * NODES - flat)
     return interpolant((least + rate * x) / stretch(x) ** 3)
 
 

@@ -21,12 +21,12 @@ NODES: Array = 0.5 + 0.5 * np.cos(_ANGLE)
 def interpolant(values: ArrayLike) -> Array:
     """Polynomials of the share xi = 0..1 through values (..., n) at the NODES: coefficients of rising powers (..., n).
 
-    Terms of the Chebyshev series below rounding are left out.
+    Terms of the Chebyshev series within the rounding of the values, 1e-14 of the largest, are left out.
     """
     values = np.asarray(values, dtype=np.float64)
     series = values @ np.cos(_ANGLE[:, None] * np.arange(DEGREE + 1)) * 2.0 / (DEGREE + 1)
     series[..., 0] *= 0.5
-    series[np.abs(series) < 1e-15 * np.abs(series).max(axis=-1, keepdims=True)] = 0.0
+    series[np.abs(series) < 1e-14 * np.abs(series).max(axis=-1, keepdims=True)] = 0.0
     return np.asarray(series @ _chebyshev_powers())
 
 

@@ -15,15 +15,20 @@ from numbers import Real
 
 import numpy as np
 
-from wrsim.errors import InputError, suggest
+from wrsim.errors import InputError
 from wrsim.track.cant import RAIL_HEAD_WIDTH
-from wrsim.track.forms import CANT_FORMS, FORMS, CantForm, Form, checked_shift, curvature_law, ramp_law
+from wrsim.track.forms import CANT_FORMS, FORMS, CantForm, Form, check_form, checked_shift, curvature_law, ramp_law
 from wrsim.track.piecewise import Piecewise
 
 LONGEST = 1e5  # longest segment [m]
 MAX_CANT = 0.25  # largest cant [m]; railways use up to 0.18 m
 MAX_WIDENING = 0.1  # largest change of the gauge [m]; railways use up to 0.03 m
 LARGEST = {"cant": MAX_CANT, "gauge_widening": MAX_WIDENING}
+ROUNDING = 1.0
+"""Half length of the rounding of kinks in cant and gauge [m].
+
+About the elastic length (4 E I / k)^(1/4) of a rail: 0.75 to 0.85 m for 60E1 (E I = 6.4 MN m2) on a support
+of 50 to 80 MN/m2."""
 SHORTEST = 1e-9  # shortest segment [m]
 HIGHEST = 5.0  # largest height of a centre of gravity above the rail tops [m]; of vehicles it is up to 2.5 m
 
@@ -81,12 +86,13 @@ Segment = Straight | Arc | Transition
 @dataclass(frozen=True, eq=False)
 class Laws:
     """Curvature [1/m], signed cant [m] and gauge widening [m] over the distance along the centre line; angle of slope
-    [rad] where it is not given by grades."""
+    [rad] where it is not given by grades; height of the centre line above the grade line at the start [m]."""
 
     curvature: Piecewise
     cant: Piecewise
     widening: Piecewise
     pitch: Piecewise | None = None
+    rise: float = 0.0
 
 
 def kind_word(segment: Segment) -> str:
@@ -117,14 +123,8 @@ def check_segments(segments: Sequence[Segment], gauge: float) -> None:
 
 def _check_transition(where: str, segment: Transition, before: Segment | None) -> None:
     """Refuse unknown forms and what a transition leaves open."""
-    choices: tuple[tuple[str, str, tuple[str, ...]], ...] = (
-        ("form", segment.form, FORMS),
-        ("cant_form", segment.cant_form or "linear", CANT_FORMS),
-    )
-    for key, value, allowed in choices:
-        if value not in allowed:
-            hint = suggest(str(value), allowed)
-            raise InputError(f"{where}: {key} = {value!r}; allowed: {', '.join(map(repr, allowed))}{hint}")
+    check_form(where, "form", segment.form, FORMS)
+    check_form(where, "cant_form", segment.cant_form or "linear", CANT_FORMS)
     for key in ("radius_start", "radius_end"):
         if (radius := getattr(segment, key)) is None and getattr(segment, key.replace("radius", "cant")):
             cant = key.replace("radius", "cant")

@@ -28,7 +28,18 @@ from wrsim.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.track.path import Path
 from wrsim.track.piecewise import Array
 from wrsim.track.rail import CentreLine, SweptCurve
-from wrsim.track.segments import Arc, Grade, Laws, Segment, Transition, check_range, kind_word, laws, pitch_law
+from wrsim.track.segments import (
+    ROUNDING,
+    Arc,
+    Grade,
+    Laws,
+    Segment,
+    Transition,
+    check_range,
+    kind_word,
+    laws,
+    pitch_law,
+)
 from wrsim.track.sleepers import SleeperTrack
 
 
@@ -45,11 +56,6 @@ class RailElasticity:
     mass: tuple[float, float]
 
 
-ROUNDING = 1.0
-"""Half length of the rounding of kinks in cant and gauge [m].
-
-About the elastic length (4 E I / k)^(1/4) of a rail: 0.75 to 0.85 m for 60E1 (E I = 6.4 MN m2) on a support
-of 50 to 80 MN/m2."""
 ROWS = 0.25  # distance of the rows of a path unless irregularities need less [m]
 MAX_OFFSET = 0.5  # farthest gauge point and top of a rail profile from its origin [m]
 MAX_ROWS = 4_000_000  # largest table of a path
@@ -178,7 +184,7 @@ class Track:
             far = f"track of {length:g} m with rows every {rows:g} m"
             raise InputError(f"{far}; allowed: {MAX_ROWS} rows (is length_m in metres?)")
         pitch = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
-        line = CentreLine(law.curvature, pitch, start, heading)
+        line = CentreLine(law.curvature, pitch, (start[0], start[1], start[2] + law.rise), heading)
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
         left, right = swept(1, *left_offset, uneven[1]), swept(-1, *right_offset, uneven[-1])
         return cls(segments, gauge, base, line, left, right, ROWS if step is None else step, rows, structure)
