@@ -7,12 +7,20 @@ from functools import cache
 import numpy as np
 import pytest
 from support.commands import call, ok
+from support.hertz import Ellipse
 from support.rows import rows_of
 from support.runs import FAST, SCENARIOS
 from support.scenario_texts import CURVE, STATIC
 
 from wrsim import InputError, Result, load, load_text, run
-from wrsim.analysis.compare import _at_samples, compare_models, of_wheels
+from wrsim.analysis.compare import (
+    _at_samples,
+    _ellipses,
+    compare_models,
+    comparison_report,
+    comparison_tables,
+    of_wheels,
+)
 from wrsim.analysis.resolve import resolve_contacts
 from wrsim.plots.compare import values_figure
 from wrsim.scenario.contact_choice import split_names, with_contact_model
@@ -78,6 +86,8 @@ def test_names_choose_models():
     assert chosen("kik-piotrowski+strips=80+approach=constant").approach == "constant"
     assert chosen("half-space+half_space.resolution=20").half_space.resolution == 20
     assert chosen("file", "strips = 77").strips == 77
+    paper = 'normal = "kik-piotrowski"\napproach = "constant"\nstrip_width_mm = 0.1'
+    assert chosen("strips+approach=+strip_width_mm=", paper).strip_width is None
 
 
 @pytest.mark.parametrize(("names", "words"), table("wrong_names_are_one_clear_error"))
@@ -90,6 +100,21 @@ def test_wrong_names_are_one_clear_error(tmp_path, names, words):
     assert ended.exit_code == 2
     assert words in ended.output + ended.stderr
     assert "Traceback" not in ended.output
+
+
+def test_ellipses_of_hertz_are_those_with_their_curvatures_and_of_a_wheel_on_a_rail_of_arcs():
+    for ellipse in (Ellipse(6e-3, 1e-3), Ellipse(3e-3, 3e-3), Ellipse(1e-3, 8e-3)):
+        along, across = (2.0 * np.array([bend]) for bend in ellipse.curvatures)
+        told = _ellipses(np.array([ellipse.force]), along, across, ellipse.modulus)
+        expected = {"p0": ellipse.p0, "length": 2.0 * ellipse.a, "width": 2.0 * ellipse.b, "approach": ellipse.approach}
+        assert {name: told[name][0] for name in expected} == pytest.approx(expected, rel=1e-9)
+    # at 8 mm the paper's contact is one of two arcs: strips give the ellipse, 0.04 % in p0
+    paper = load(SCENARIOS / "static_paper.toml").with_values({"static.lateral_mm": 8})
+    c = compare_models(paper, ("hertz", "strips+approach=+strip_width_mm="), "strips+approach=+strip_width_mm=")
+    told = c.values.sel(model="hertz").isel(pose=0, wheel=0)
+    assert abs(float(told["p0_difference"])) < 1e-3 and float(told["N_difference"]) == 0.0
+    notes = comparison_tables(c, comparison_report(c, ""))[0].notes
+    assert np.isnan(float(told["Y"])) and "N, contact point" in notes[0]
 
 
 @pytest.mark.usefixtures("sketched")

@@ -1,5 +1,6 @@
 """Pictures that can be published: nothing overlaps, nothing is hidden, cut short or left unexplained."""
 
+from functools import partial
 from itertools import combinations
 from pathlib import Path
 
@@ -13,11 +14,13 @@ from support.commands import ok, refusal
 from support.rows import rows_of
 from typer.main import get_command
 
-from wrsim import InputError, Result, load, run
+import wrsim
+from wrsim import InputError, Result, load, load_profile, run
 from wrsim.cli import app
 from wrsim.plots import patch_gallery, section_gallery, standard_figures
 from wrsim.plots.drawing import save_all
-from wrsim.plots.histories import channels_figure
+from wrsim.plots.histories import channels_figure, overview_figure
+from wrsim.plots.profile import profile_figure
 from wrsim.plots.stability import stability_figures
 from wrsim.plots.static import static_figure
 from wrsim.plots.theme import LOOK, STOP_COLOUR, look_of, style
@@ -108,6 +111,28 @@ def test_pictures_have_the_width_the_font_and_the_kinds_that_are_chosen(one, tmp
     assert len(figure.axes) > 5 and figure.axes[0].get_position().width > 0.5  # one column: too narrow for two
 
 
+def test_without_titles_and_captions_the_rest_of_a_picture_is_as_large_and_a_stop_is_still_told(one, conicity) -> None:
+    stopped = one.assign_attrs(status="stopped", stop_reason="derailed")
+    makers = {
+        name: partial(make, stopped) for name, make in (("overview", overview_figure), ("patches", patch_gallery))
+    }
+    makers |= standard_figures(conicity.dataset) | {
+        "profile": lambda: profile_figure(load_profile("wheels/S1002.toml"))
+    }
+    titled = {name: make() for name, make in makers.items()}
+    with wrsim.look(no_title=True):
+        bare = {name: make() for name, make in makers.items()}
+    for name, figure in bare.items():
+        assert titled[name].get_suptitle() and not figure.get_suptitle().strip(), name
+        gone = set(t.get_text() for t in titled[name].texts) - set(t.get_text() for t in figure.texts)
+        assert not any("stopped" in text for text in gone), name
+    sizes = [[figure.get_size_inches()[1] * 25.4 for figure in (titled[n], bare[n])] for n in ("overview", "patches")]
+    assert all(before - after >= 5.0 - 1e-9 for before, after in sizes)
+    for before, after in zip(titled["overview"].axes, bare["overview"].axes, strict=True):
+        heights = [axes.get_position().height * axes.figure.get_size_inches()[1] for axes in (before, after)]
+        assert heights[0] == pytest.approx(heights[1])
+
+
 DRAWING = {"run", "study", "wear", "compare", "resolve", "plot", "diff", "assess", "ride", "spectra"}
 DRAWING |= {"conicity", "recording", "optimise", "validate", "calibrate"}
 NAMED = {"profile", "track", "vehicle"}
@@ -116,7 +141,9 @@ NAMED = {"profile", "track", "vehicle"}
 
 def test_commands_that_draw_have_the_options_of_pictures_and_draw_in_that_width(tmp_path: Path) -> None:
     options = {name: {p.name for p in each.params} for name, each in get_command(app).commands.items()}
-    assert {name for name, own in options.items() if {"width_mm", "font", "style"} <= own} == DRAWING | NAMED
+    assert {
+        name for name, own in options.items() if {"width_mm", "font", "style", "no_title"} <= own
+    } == DRAWING | NAMED
     assert {name for name, own in options.items() if "formats" in own} == DRAWING
     ok("profile", "wheels/S1002.toml", "-o", tmp_path / "p.png", "--width-mm", "80")
     with Image.open(tmp_path / "p.png") as picture:

@@ -37,7 +37,7 @@ from wrsim.contact.records import STATUS_NOT_CONVERGED
 from wrsim.contact.status import WORDS
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import envelope, interruptions, pieces_of
-from wrsim.report.document import logo_address
+from wrsim.report.document import find_browser, logo_address, printed
 from wrsim.report.page import report_page
 from wrsim.report.tables import chart_limits
 from wrsim.report.tables import contacts as contacts_of
@@ -245,6 +245,21 @@ PICTURES = {
     "a.webp": b"RIFF\x04\x00\x00\x00WEBP",
     "a.svg": b"<?xml version='1.0'?>\n<!-- made -->\n<!DOCTYPE svg [<!ENTITY a 'b'>]>\n<svg/>",
 }  # fmt: skip
+
+
+def test_a_report_is_printed_by_the_browser_that_there_is(curve, tmp_path, monkeypatch) -> None:
+    page = "<!doctype html><p>one</p><p style='break-before: page'>two</p>"
+    document = printed(page, find_browser(tmp_path / "report.pdf"), tmp_path / "report.pdf")
+    assert document.startswith(b"%PDF") and len(re.findall(rb"/Type ?/Page\b", document)) == 2
+    curve.save(tmp_path / "result.nc")
+    assert "--view" in call("report", tmp_path, "-o", tmp_path / "report.pdf", "--view").stderr
+    monkeypatch.setenv("PATH", str(tmp_path))
+    told = call("report", tmp_path, "-o", tmp_path / "report.pdf").stderr
+    assert "needs Chromium" in told and "report.html" in told and not (tmp_path / "report.pdf").exists()
+    (tmp_path / "chromium").write_text("#!/bin/sh\necho no display >&2\nexit 1\n")
+    (tmp_path / "chromium").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/bin:/usr/bin")
+    assert "did not print the page: no display" in call("report", tmp_path, "-o", tmp_path / "report.pdf").stderr
 
 
 def test_a_logo_is_a_picture_of_the_kind_that_its_name_says_and_is_never_waited_for(tmp_path: Path) -> None:

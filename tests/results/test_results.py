@@ -325,6 +325,20 @@ def test_peaks_below_20_hz_and_over_2_m_stand_beside_raw_ones_and_both_are_named
     assert "max Y [kN]" in [row[0] for table in Result(static_poses()).numbers() for row in table.rows]
 
 
+def test_poses_are_listed_with_their_patches_and_patches_csv_has_the_same() -> None:
+    poses = Result(static_poses((0.0, 5.5, 6.0, 7.0), (0.0,), ("left",), 24e3))
+    listed = poses.numbers()[0]
+    rows = csv.DictReader(io.StringIO(as_csv(tables(poses.dataset)["patches"]).decode()))
+    written = [row for row in rows if row["N_kN"]]
+    heads = [column.key or column.words for column in listed.columns]
+    numbers = ["N_kN", "p0_MPa", "n_strips", "width_mm", "contact_angle_min_deg", "contact_angle_max_deg"]
+    assert heads[0] == "pose" and heads[-6:] == numbers
+    assert len(listed.rows) == len(written) >= 4
+    for row, texts in zip(listed.rows, written, strict=True):
+        assert row[0] == texts["pose"]
+        assert row[-6:] == pytest.approx([float(texts[name]) for name in numbers], rel=1e-8)
+
+
 def test_quasi_static_values_are_medians_in_the_full_curve():
     dataset = the_wheelset(curve_run())
     (curve,) = Result(curve_run()).summary()["wheelsets"]["wheelset"]["full_curves"]

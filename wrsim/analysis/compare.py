@@ -7,19 +7,23 @@ them in time.
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.special import elliprd, elliprf
 
 from wrsim.analysis import run
 from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import POSE_CHANNELS
 from wrsim.contact.settings import Array
+from wrsim.contact.tables import combined_modulus
 from wrsim.errors import InputError, SimulationError, suggest
+from wrsim.inputs.section import SIDES
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
 from wrsim.results.summary_tables import first_lines, happened, remarks
@@ -27,8 +31,9 @@ from wrsim.results.table import MISSING, Cell, Column, Table, csv_numbers, forma
 from wrsim.results.tables import channel_cells, rows_of
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.contact_choice import with_contact_model
+from wrsim.scenario.contact_choice import HERTZ, with_contact_model
 from wrsim.scenario.loading import Scenario
+from wrsim.scenario.sections.run import RunPlan
 
 
 class Measure(NamedTuple):
@@ -63,6 +68,8 @@ FEW = 4  # poses and wheels of a small comparison, whose values are printed one 
 TIMED_MOMENTS = 8
 TIMED = 0.02  # least time of one measurement [s]
 
+RATIO = 8.0  # largest logarithm of a ratio of axes: beyond, a contact is a line
+
 
 @dataclass(frozen=True)
 class Compared:
@@ -91,11 +98,18 @@ class Comparison:
         """The reference."""
         return next(m for m in self.models if m.name == self.reference)
 
+    def remarks(self, model: Compared) -> list[str]:
+        """Events and remarks of a model; of Hertz' ellipses what they are."""
+        if model.name == HERTZ:
+            base = _base_of([each.name for each in self.models], self.reference)
+            return [f'ellipses at N, contact point and curvatures of "{base}"; no creep forces']
+        return happened(model.result.summary()) + remarks(model.result.summary())
+
 
 def compare_models(
     scenario: Scenario, names: Sequence[str], reference: str | None = None, progress: Progress | None = None
 ) -> Comparison:
-    """Analyse a scenario with several contact models (names as in `scenario.contact_choice`).
+    """Analyse a scenario with several contact models (names as in `scenario.contact_choice`, and ``HERTZ``).
 
     reference: one of the names, the first unless given. Raises InputError for names that are no models, before
     anything is computed; SimulationError, with the model's name, when one has no result at all.
@@ -107,23 +121,95 @@ def compare_models(
         raise InputError(f"--reference {reference}: is none of the models{suggest(reference, list(names))}")
     if not ANALYSES[scenario.analysis].compared:
         raise InputError(f'analysis = "{scenario.analysis}": contact models are compared in static poses and runs')
-    scenarios = [with_contact_model(scenario, name) for name in names]
-    setups = [build(s) for s in scenarios]
-    report, models = Report(progress), []
-    for i, (name, changed, setup) in enumerate(zip(names, scenarios, setups, strict=True)):
+    scenarios = {name: with_contact_model(scenario, name) for name in names if name != HERTZ}
+    setups = {name: build(changed) for name, changed in scenarios.items()}
+    base = _base_of(names, reference)
+    if HERTZ in names and any(surface is not None for surface in setups[base].surfaces):
+        raise InputError(f'model "{HERTZ}": is for rails of one profile; those of the scenario change along the track')
+    report, models = Report(progress), dict[str, Compared]()
+    for i, (name, setup) in enumerate(setups.items()):
 
         def share(done: float, left: float, before: int = i) -> None:
             """Progress of all models together; the time left as if the others took as long."""
-            report((before + done) / len(names))
+            report((before + done) / len(setups))
 
+        _load(scenarios[name], setup)
         start = time.perf_counter()
         try:
-            result = run(changed, progress=share, setup=setup)
+            result = run(scenarios[name], progress=share, setup=setup)
         except SimulationError as error:
             raise SimulationError(f'model "{name}": {error}') from None
         taken = time.perf_counter() - start
-        models.append(Compared(name, result, taken, time_evaluation(setup, result.dataset)))
-    return Comparison(tuple(models), reference, _values(models, reference))
+        models[name] = Compared(name, result, taken, time_evaluation(setup, result.dataset))
+    if HERTZ in names:
+        start = time.perf_counter()
+        ellipses = hertz_contacts(setups[base], models[base].result.dataset)
+        models[HERTZ] = Compared(HERTZ, Result(ellipses), time.perf_counter() - start, np.nan)
+    ordered = [models[name] for name in names]
+    return Comparison(tuple(ordered), reference, _values(ordered, reference))
+
+
+def _base_of(names: Sequence[str], reference: str) -> str:
+    """The model on whose contacts Hertz' ellipses are: the reference, or the first other one."""
+    return next(name for name in (reference, *names) if name != HERTZ)
+
+
+def _load(scenario: Scenario, setup: Setup) -> None:
+    """Load what an analysis needs by a short one, so that its own time counts; exact runs take far longer."""
+    plan: Any = setup.plan
+    if isinstance(plan, RunPlan):
+        if setup.contact.normal == "half-space":
+            return
+        end = min(plan.end, plan.start + 2.0 * plan.speed * plan.output_interval)
+        plan = replace(plan, end=end, patches_at=(), wear=None)
+    else:
+        plan = replace(plan, poses=plan.poses[:1])
+    with suppress(SimulationError):
+        run(scenario, setup=replace(setup, plan=plan))
+
+
+def hertz_contacts(setup: Setup, dataset: xr.Dataset) -> xr.Dataset:
+    """Hertz' ellipses of all patches of a result: p0, area, approach, width and length at their normal forces.
+
+    Curvatures: across, of both profiles at the contact point; along, of the wheel there. With Carlson's integrals
+    (Johnson, Contact Mechanics, 1985, sections 3.2 and 3.3). Not-a-number without a curvature across, and for forces of
+    other directions than the normal one.
+    """
+    found = dataset.drop_vars([name for name in dataset.variables if str(name).startswith("strip_")]).copy(deep=True)
+    for name in ("X", "Y", "Q", "T_gamma"):
+        found[name] = np.nan * found[name]
+    for i in range(dataset.sizes["wheelset"]):
+        wheelset = setup.vehicle.wheelsets[i].wheelset
+        for j, side in enumerate(dataset["wheel"].values):
+            wheel, rail = getattr(wheelset, side), setup.rails[SIDES.index(side)]
+            at = np.isfinite(dataset["N"].values[:, i, j])
+            N, u, v, angle = (dataset[n].values[:, i, j][at] for n in ("N", "u_wheel", "u_rail", "contact_angle"))
+            arc, arc_rail = wheel.profile.arclength_of(u), rail.arclength_of(v)
+            along = np.cos(angle) / (wheel.radius - wheel.profile.at(arc)[1])
+            along += 0.0 if setup.roller is None else 1.0 / setup.roller
+            across = wheel.profile.curvature(arc) - rail.curvature(arc_rail)
+            for name, values in _ellipses(N, along, across, combined_modulus(setup.contact)).items():
+                found[name].values[:, i, j][at] = values
+            for name in ("contact_angle_min", "contact_angle_max"):
+                found[name].values[:, i, j] = dataset["contact_angle"].values[:, i, j]
+    return found
+
+
+def _ellipses(N: Array, along: Array, across: Array, modulus: float) -> dict[str, Array]:
+    """Hertz' contacts (n,) of curvatures, sums of both bodies [1/m], at forces [N]; half axes a along, b across."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        wanted = np.log(np.where(across > 0.0, across, np.nan) / along)
+        low, high = np.full(N.shape, -RATIO), np.full(N.shape, RATIO)  # of ln(b/a)
+        for _ in range(50):
+            middle = 0.5 * (low + high)
+            k2 = np.exp(2.0 * middle)
+            wider = np.log(elliprd(0.0, 1.0, k2) / elliprd(0.0, k2, 1.0)) > wanted
+            low, high = np.where(wider, middle, low), np.where(wider, high, middle)
+        k = np.exp(middle) + 0.0 * wanted  # not-a-number where there is no ellipse
+        a = np.cbrt(N * elliprd(0.0, k * k, 1.0) / (pi * modulus * along))
+        p0 = 1.5 * N / (pi * a * a * k)
+    approach = p0 * a * k * elliprf(0.0, 1.0, k * k) / modulus
+    return {"p0": p0, "area": pi * a * a * k, "approach": approach, "length": 2.0 * a, "width": 2.0 * a * k}
 
 
 def of_wheels(dataset: xr.Dataset) -> xr.Dataset:
@@ -218,7 +304,7 @@ def comparison_report(comparison: Comparison, scenario: str) -> dict[str, Any]:
         models[model.name] = {
             "status": model.result.status,
             "unsolved_poses": unsolved,
-            "remarks": happened(model.result.summary()) + remarks(model.result.summary()),
+            "remarks": comparison.remarks(model),
             "evaluation_us": None if model.evaluation_time != model.evaluation_time else 1e6 * model.evaluation_time,
             "run_s": model.run_time,
             "differences": differences,

@@ -23,7 +23,9 @@ def write_report(
         options.ResultsLike,
         Argument("Results: files, folders, cut-off runs; one study or evolution.", "RESULT...", kind=list[Path]),
     ],
-    file: Annotated[AnyPath, into("The page; report.html beside the first result unless given.", "HTML")] = None,
+    file: Annotated[
+        AnyPath, into("The page, printed for .pdf; report.html beside the first result unless given.", "HTML|PDF")
+    ] = None,
     *,
     title: Annotated[str, Option("Default: the titles of the results.", "TEXT")] = "",
     author: Annotated[str, Option("Named beneath the title.", "TEXT")] = "",
@@ -36,20 +38,23 @@ def write_report(
     """Write a report about a result, several results beside each other, a study, or a profile evolution.
 
     It holds a summary, verdict, assessment, histories, contacts and wear; of a study outputs, pictures and cases.
-    Versions and digests are in its appendix.
+    Versions and digests are in its appendix. A PDF needs Chromium, Chrome or Edge.
 
     Raises
     ------
     InputError
         For files that are no results, or not of one kind.
     """
-    from wrsim.report.document import Cover, logo_address
+    from wrsim.report.document import Cover, find_browser, logo_address, printed
     from wrsim.results import write_atomically
 
     several, picture = as_list(results), logo_address(Path(logo)) if logo else ""
-    page = _page_of(several, with_view, list(map(Path, models)), Cover(title, author, company, date, picture))
     target = Path(file) if file is not None else folder_beside(several[0]) / "report.html"
-    return Outcome([], {}, [write_atomically(target, page.encode())])
+    browser = find_browser(target) if target.suffix.lower() == ".pdf" else ""
+    if browser and with_view:
+        raise InputError(f"--view: {target} is printed, and a viewer needs a browser; write a page (.html) with it")
+    page = _page_of(several, with_view, list(map(Path, models)), Cover(title, author, company, date, picture))
+    return Outcome([], {}, [write_atomically(target, printed(page, browser, target) if browser else page.encode())])
 
 
 def _page_of(results: Sequence[ResultLike], with_view: bool, models: Sequence[Path], cover: Cover) -> str:
@@ -243,6 +248,7 @@ def look(
     width_mm: Annotated[float | None, Option("Width of pictures, 60 to 500; default: 170.", "MM")] = None,
     font: Annotated[str, Option("Font family, such as 'DejaVu Serif'.", "NAME")] = "",
     style: Annotated[str, Option("Style file, or a style of matplotlib.", "FILE")] = "",
+    no_title: Annotated[bool, Option("Pictures without title and captions.", flags="--no-title")] = False,
     units: Annotated[
         str | None, Option("Units of tables, pictures, reports; default: of the scenario, or metric.", "metric|us")
     ] = None,
@@ -259,7 +265,7 @@ def look(
 
     if width_mm is not None and not NARROW <= width_mm <= WIDE:
         raise InputError(f"--width-mm {width_mm:g}: must be from {NARROW:g} to {WIDE:g}")
-    token = LOOK.set(look_of(formats, width_mm, font, style))
+    token = LOOK.set(look_of(formats, width_mm, font, style, not no_title))
     try:
         with shown_in(units) if units is not None else nullcontext():
             yield

@@ -130,7 +130,12 @@ def show(result: options.ResultFile) -> Outcome:
 def compare(
     scenario: options.ScenarioFile,
     contact: Annotated[
-        str, Option("half-space, kik-piotrowski+polach, kik-piotrowski+strips=80; file: as in FILE.", "A,B,...")
+        str,
+        Option(
+            "half-space, kik-piotrowski+polach, kik-piotrowski+strips=80, hertz; strips+strip_width_mm=: without this "
+            "key of FILE; file: as in FILE.",
+            "A,B,...",
+        ),
     ],
     reference: Annotated[str | None, Option("Reference model; default: the first.", "A")] = None,
     output: Annotated[
@@ -158,10 +163,11 @@ def compare(
     from wrsim.analysis.compare import compare_models, comparison_report, comparison_tables
     from wrsim.report.outputs import write_comparison
     from wrsim.scenario.build import build
-    from wrsim.scenario.contact_choice import split_names, with_contact_model
+    from wrsim.scenario.contact_choice import HERTZ, split_names, with_contact_model
 
     loaded, names = as_scenario(scenario, models), split_names(contact)
-    for message in [text for name in names for text in exact_run_warning(build(with_contact_model(loaded, name)))]:
+    models_of = [with_contact_model(loaded, name) for name in names if name != HERTZ]
+    for message in [text for changed in models_of for text in exact_run_warning(build(changed))]:
         warn(message)
     with bar() as progress:
         comparison = compare_models(loaded, names, reference, progress)

@@ -20,8 +20,8 @@ from wrsim.cli.errors import INTERRUPTED, any_output, reporting_errors, usage_as
 from wrsim.cli.options import QUIET, Given, command
 from wrsim.errors import InputError
 
-DRAWS = ("formats", "width_mm", "font", "style")
-DRAWS_ONE = ("width_mm", "font", "style")
+DRAWS_ONE = ("width_mm", "font", "style", "no_title")
+DRAWS = ("formats", *DRAWS_ONE)
 """Options of pictures that are named as a whole, with their ending."""
 STEP_MS = inspect.Parameter(
     "step_ms",

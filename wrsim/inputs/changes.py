@@ -40,13 +40,16 @@ def leaves(tree: Any, key: str = "", *, lists: bool = True) -> Iterator[tuple[st
 
 
 def changed(data: Any, path: KeyPath, value: Any) -> Any:
-    """A copy of a tree of tables with the value at a path from `full_path` replaced; missing tables are made."""
+    """A copy of a tree of tables with the value at a path from `full_path` replaced, or for None removed; missing
+    tables are made."""
     if not path:
         return value
     first, rest = path[0], path[1:]
     if isinstance(data, list):
         return [changed(v, rest, value) if k == first else v for k, v in enumerate(data)]
     others = {k: v for k, v in data.items() if k == first or metric_key(k) != metric_key(str(first))}
+    if value is None and not rest:
+        return {k: v for k, v in others.items() if k != first}
     return {**others, first: changed(data.get(first, {} if rest else None), rest, value)}
 
 

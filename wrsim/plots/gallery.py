@@ -121,7 +121,7 @@ def draw_gallery(
     top = 7.0 + theme.head_height(title, note, page.width)
     heights = sum(row.height + row.beneath for _, rows in blocks for row in rows)
     beside = page.width >= _NARROWEST  # the words on how to read it are beside the scale of pressure, or beneath it
-    reading = theme.wrapped(reading, page.width - (78.0 if beside else 8.0), 6.8)
+    reading = theme.wrapped(theme.caption(reading), page.width - (78.0 if beside else 8.0), 6.8)
     foot = FOOT + (max(0.0, 3.0 * reading.count("\n") - 6.0) if beside else 3.0 * reading.count("\n") + 4.0)
     figure = theme.new_figure(page.width, top + heights + len(blocks) * above + foot, constrained=False)
     theme.headline(figure, title, note)

@@ -21,6 +21,7 @@ from wrsim.plots.theme import (
     TWO_COLUMNS,
     WHEEL_COLOUR,
     abscissa,
+    caption,
     full_width,
     new_figure,
     style,
@@ -49,7 +50,7 @@ def note_above(axes: Axes, text: str, x: float, lift: float = 1.5) -> None:
 def remark(axes: Axes, words: str) -> None:
     """How to read the axes, small above them, in as many lines as it needs there."""
     across = axes.get_window_extent().width / axes.figure.dpi / MM
-    axes.set_title(wrapped(words, across, 6.5), fontsize=6.5, color=QUIET, pad=2.0)
+    axes.set_title(wrapped(caption(words), across, 6.5), fontsize=6.5, color=QUIET, pad=2.0)
 
 
 @style()
@@ -78,9 +79,11 @@ def panels(
         if share and i + columns < len(draws):
             axes.tick_params(labelbottom=False)
             axes.set_xlabel("")
-    title, note = wrapped(title, 0.97 * full_width(), 8.5), wrapped(note, 0.97 * full_width()) if note else ""
-    figure.suptitle(title + ("\n" * (1 + note.count("\n")) if note else ""), x=0.012, ha="left", fontsize=8.5)
-    write_words(figure, 2.0, 5.5 + LINE * title.count("\n"), note, color=STOP_COLOUR)
+    title, note = wrapped(caption(title), 0.97 * full_width(), 8.5), wrapped(note, 0.97 * full_width()) if note else ""
+    if title or note:  # lines of the title that are empty make room for the note
+        room = "\n" * (note.count("\n") + (1 if title else 0)) + (" " if note else "")
+        figure.suptitle(title + room, x=0.012, ha="left", fontsize=8.5)
+    write_words(figure, 2.0, 5.5 + LINE * title.count("\n") if title else 2.0, note, color=STOP_COLOUR)
     if entries := drawn[0].get_legend_handles_labels()[0] if legend is None else legend:
         legend_beneath(figure, entries, across)
     figure.align_ylabels(drawn)
@@ -95,7 +98,8 @@ def large_and_small(
     twice as high, above them in narrow figures."""
     narrow = full_width() < TWO_COLUMNS
     figure = new_figure(full_width(), height * (2.0 if narrow else 1.0))
-    figure.suptitle(wrapped(title, 0.97 * full_width(), 8.0), x=0.012, ha="left", fontsize=8.0)
+    if title := caption(wrapped(title, 0.97 * full_width(), 8.0)):
+        figure.suptitle(title, x=0.012, ha="left", fontsize=8.0)
     if narrow:
         grid = figure.add_gridspec(2 * len(small), 1)
         places = [grid[: len(small), 0], *(grid[len(small) + i, 0] for i in range(len(small)))]

@@ -19,8 +19,8 @@ from wrsim.results.smoothing import SmoothingReport
 from wrsim.results.table import Table, formatted, quantity
 
 LINE = "#0072B2"
-LEFT, RIGHT, TOP, BOTTOM, GAP = 15.0, 15.0, 13.0, 10.0, 6.0
-"""Margins of the figure and the gap between panels, mm."""
+LEFT, RIGHT, TOP, UNTITLED, BOTTOM, GAP = 15.0, 15.0, 13.0, 5.0, 10.0, 6.0
+"""Margins of the figure, the upper one with and without a title, and the gap between panels, mm."""
 PANEL, TALLEST = 32.0, 110.0
 """Height of the panels of slope and curvature, largest height of the shape, mm; higher shapes are drawn narrower."""
 CURVATURES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
@@ -38,15 +38,15 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     height = width * up / across
     if height > TALLEST:
         across, height = across * height / TALLEST, TALLEST
-    rows = 3 if smoothing else 2
-    figure = theme.new_figure(theme.full_width(), TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
+    rows, top = 3 if smoothing else 2, TOP if theme.caption(profile.name) else UNTITLED
+    figure = theme.new_figure(theme.full_width(), top + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
     theme.headline(figure, f"{profile.name} ({profile.kind})")
     source = shorten(profile.source, int(130 * theme.full_width() / 170.0), placeholder=" ...")
-    theme.write_words(figure, 0.012 * theme.full_width(), 6.5, source, fontsize=6.5, color=theme.QUIET)
-    panels = [theme.mm_axes(figure, LEFT, TOP, width, height)]
+    theme.write_words(figure, 0.012 * theme.full_width(), 6.5, theme.caption(source), fontsize=6.5, color=theme.QUIET)
+    panels = [theme.mm_axes(figure, LEFT, top, width, height)]
     for row in range(rows):
         panels[-1].tick_params(axis="x", labelbottom=False)
-        panels.append(theme.mm_axes(figure, LEFT, TOP + height + GAP + row * (PANEL + GAP), width, PANEL))
+        panels.append(theme.mm_axes(figure, LEFT, top + height + GAP + row * (PANEL + GAP), width, PANEL))
         panels[-1].sharex(panels[0])
     for axes, draw in zip(panels, (draw_shape, draw_slope, draw_curvature), strict=False):
         draw(profile, axes)
@@ -80,12 +80,13 @@ def profiles_figure(profiles: Sequence[Profile], table: Table, unworn: Profile |
     sheet = min(ROW * rows, SHEET)
     side = min(len(measures), 2) if theme.full_width() < theme.TWO_COLUMNS else len(measures)
     beneath = (sheet + 12.0) * ceil(len(measures) / max(side, 1))
-    figure = theme.new_figure(theme.full_width(), TOP + height + BOTTOM + beneath, constrained=False)
+    top = TOP if theme.caption("title") else UNTITLED + 4.0
+    figure = theme.new_figure(theme.full_width(), top + height + BOTTOM + beneath, constrained=False)
     many = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.95, rows))
     colours = many if rows > len(theme.SERIES_COLOURS) else theme.SERIES_COLOURS[:rows]
     words = f"{rows} {profiles[0].kind} profiles" + (f", dashed: {unworn.name}" if unworn is not None else "")
     theme.headline(figure, words)
-    shape = theme.mm_axes(figure, LEFT, TOP - 4.0, width, height)
+    shape = theme.mm_axes(figure, LEFT, top - 4.0, width, height)
     for profile, colour in zip(profiles, colours, strict=True):
         shape.plot(1e3 * profile.u, 1e3 * profile.w, color=colour, linewidth=0.8)
     if unworn is not None:
@@ -95,7 +96,7 @@ def profiles_figure(profiles: Sequence[Profile], table: Table, unworn: Profile |
     places = np.arange(rows)
     each = (theme.full_width() - NAMES - 4.0) / max(side, 1)
     for i, column in enumerate(measures):
-        below = TOP + height + 14.0 + (sheet + 12.0) * (i // side)
+        below = top + height + 14.0 + (sheet + 12.0) * (i // side)
         axes = theme.mm_axes(figure, NAMES + i % side * each, below, each - 7.0, sheet)
         values = np.array([np.nan if row[i + 1] is None else row[i + 1] for row in table.rows], dtype=float)
         axes.scatter(values, places, c=colours, s=10.0, zorder=3.0, clip_on=False)

@@ -61,10 +61,12 @@ TWO_COLUMNS = 130.0  # width from which pictures have panels beside each other [
 @dataclass(frozen=True)
 class Look:
     """What a user chooses of pictures: kinds of files (of ``KINDS``), width [mm] (by default that of a page of a
-    journal), a font, settings of matplotlib over those of ``STYLE``. `look_of` checks them."""
+    journal), whether they have a title and captions, settings of matplotlib over those of ``STYLE``. `look_of` checks
+    them."""
 
     kinds: tuple[str, ...] = ("png",)
     width: float = 170.0
+    titled: bool = True
     settings: tuple[tuple[str, Any], ...] = ()
 
 
@@ -98,7 +100,9 @@ def pressure_map() -> Colormap:
     return LinearSegmentedColormap.from_list("pressure", stops)
 
 
-def look_of(formats: str = "png", width: float | None = None, font: str = "", style: str = "") -> Look:
+def look_of(
+    formats: str = "png", width: float | None = None, font: str = "", style: str = "", titled: bool = True
+) -> Look:
     """formats: kinds of files with commas between; width [mm]; font: the name of a family; style: a style file of
     matplotlib or the name of one of its styles: its colours, lines, grids and families of letters, not its sizes
     (``LAID_OUT``). Raises InputError for what there is not."""
@@ -131,7 +135,7 @@ def look_of(formats: str = "png", width: float | None = None, font: str = "", st
         except ValueError:
             raise InputError(f"--font {font}: is not here{suggest(font, font_manager.get_font_names())}") from None
         settings["font.family"] = [font, *STYLE["font.family"]]  # for the letters that it lacks
-    return Look(kinds, width or Look.width, tuple(settings.items()))
+    return Look(kinds, width or Look.width, titled, tuple(settings.items()))
 
 
 def full_width() -> float:
@@ -205,7 +209,7 @@ def write_words(figure: Figure, left: float, top: float, words: str, **options: 
     figure.text(left / across, 1.0 - top / down, words, **({"va": "top", "ha": "left"} | options))
 
 
-LINE = 3.6  # height of a line of a title or a note, mm
+LINE, TITLE = 3.6, 5.0  # height of a line of a title or a note, and of the room of a title of one line, mm
 
 
 def wrapped(words: str, width: float, size: float = 7.5) -> str:
@@ -215,18 +219,25 @@ def wrapped(words: str, width: float, size: float = 7.5) -> str:
     return "\n".join(fill(line, letters) for line in tied).replace("\N{NO-BREAK SPACE}", " ")
 
 
+def caption(words: str) -> str:
+    """A title, or words on how to read a picture; none where the user wants pictures without them."""
+    return words if LOOK.get().titled else ""
+
+
 def headline(figure: Figure, title: str, note: str = "") -> None:
     """Title of a picture at its upper left; beneath it, in red, a note about a stopped analysis. Of `head_height`."""
     across, down = figure.get_size_inches() / MM
-    title, note = (wrapped(words, 0.97 * across, size) for words, size in ((title, 8.5), (note, 7.5)))
-    figure.suptitle(title, x=0.012, y=1.0 - 2.0 / down, ha="left", va="top", fontsize=8.5)
+    title, note = (wrapped(words, 0.97 * across, size) for words, size in ((caption(title), 8.5), (note, 7.5)))
+    if title:
+        figure.suptitle(title, x=0.012, y=1.0 - 2.0 / down, ha="left", va="top", fontsize=8.5)
     if note:
-        write_words(figure, 0.012 * across, 6.5 + LINE * title.count("\n"), note, color=STOP_COLOUR)
+        top = 6.5 + LINE * title.count("\n") if title else 6.5 - TITLE
+        write_words(figure, 0.012 * across, top, note, color=STOP_COLOUR)
 
 
 def head_height(title: str, note: str, across: float) -> float:
     """Height of the title and the note of a picture of that width, mm, less that of a title of one line."""
-    more = wrapped(title, 0.97 * across, 8.5).count("\n")
+    more = wrapped(title, 0.97 * across, 8.5).count("\n") if caption(title) else -TITLE / LINE
     return LINE * (more + (1 + wrapped(note, 0.97 * across).count("\n") if note else 0))
 
 

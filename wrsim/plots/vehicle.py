@@ -18,7 +18,9 @@ from wrsim.plots.theme import (
     RAIL_FILL,
     SERIES_COLOURS,
     WHEEL_FILL,
+    caption,
     full_width,
+    head_height,
     mm_axes,
     new_figure,
     style,
@@ -74,12 +76,12 @@ def vehicle_figure(vehicle: Vehicle) -> Figure:
     low, high = _extent(vehicle)
     length, width, height = high - low
     scale = (full_width() - 2.0 * MARGIN - GAP - 8.0) / (length + width)
-    rows = (height * scale, width * scale)
-    figure = new_figure(full_width(), TITLE + rows[0] + GAP + 8.0 + rows[1] + FOOT, constrained=False)
+    rows, top = (height * scale, width * scale), TITLE + head_height(vehicle.name, "", full_width())
+    figure = new_figure(full_width(), top + rows[0] + GAP + 8.0 + rows[1] + FOOT, constrained=False)
     places = (
-        (MARGIN, TITLE, length * scale, rows[0]),
-        (MARGIN + length * scale + GAP + 4.0, TITLE, width * scale, rows[0]),
-        (MARGIN, TITLE + rows[0] + GAP + 8.0, length * scale, rows[1]),
+        (MARGIN, top, length * scale, rows[0]),
+        (MARGIN + length * scale + GAP + 4.0, top, width * scale, rows[0]),
+        (MARGIN, top + rows[0] + GAP + 8.0, length * scale, rows[1]),
     )
     for view, where in zip(VIEWS, places, strict=True):
         h, v = VIEWS[view]
@@ -93,7 +95,7 @@ def vehicle_figure(vehicle: Vehicle) -> Figure:
     kinds = {element.kind: glyph for element, glyph in _drawn_elements(vehicle)}
     handles = [Line2D([], [], markersize=4.0, label=kind, **_mark(glyph)) for kind, glyph in kinds.items()]
     figure.legend(handles=handles, loc="lower right", ncols=1, frameon=False, fontsize=7.0)
-    figure.suptitle(vehicle.name, x=MARGIN / full_width(), ha="left", fontsize=9.0)
+    figure.suptitle(caption(vehicle.name), x=MARGIN / full_width(), ha="left", fontsize=9.0)
     return figure
 
 

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import base64
 import datetime
+import os
 import re
+import shutil
+import subprocess
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import degrees
@@ -16,7 +20,7 @@ from markupsafe import Markup
 from wrsim.assessment.outcome import TRANSITION, Assessment
 from wrsim.contact.creep.laws import CREEP_LAWS
 from wrsim.contact.settings import DRY, TURNED, USUAL, ContactSettings, Heating
-from wrsim.errors import InputError
+from wrsim.errors import InputError, WrsimError
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.results import Result
 from wrsim.results.dataset import table_of_scenario
@@ -49,6 +53,44 @@ ASKED = {
     "overturning": "the speed at which the vehicle overturns in a curve",
 }
 """What an analysis finds."""
+
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
+"""Programs that print a page without a window."""
+PRINT_SECONDS = 120.0
+
+
+def find_browser(file: Path) -> str:
+    """The first of ``BROWSERS`` on the path. Raises InputError without one."""
+    for name in BROWSERS:
+        if (program := shutil.which(name)) is not None:
+            return program
+    page = file.with_suffix(".html").name
+    raise InputError(
+        f"{file}: needs Chromium, Chrome or Edge on the path (Debian: apt install chromium); or write {page} and print "
+        "it from a browser"
+    )
+
+
+def printed(page: str, browser: str, file: Path) -> bytes:
+    """A page as PDF, for ``file``; without network. Raises WrsimError where the browser fails."""
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        source, target = Path(folder, "page.html"), Path(folder, "page.pdf")
+        source.write_text(page, encoding="utf-8")
+        command = [
+            browser, "--headless", "--disable-gpu", "--no-first-run", "--disable-background-networking",
+            f"--user-data-dir={folder}/profile", "--no-pdf-header-footer", f"--print-to-pdf={target}", source.as_uri(),
+        ]  # fmt: skip
+        if hasattr(os, "geteuid") and os.geteuid() == 0:  # Chromium runs for root without its sandbox alone
+            command.insert(1, "--no-sandbox")
+        try:
+            done = subprocess.run(command, capture_output=True, timeout=PRINT_SECONDS, stdin=subprocess.DEVNULL)
+        except (OSError, subprocess.TimeoutExpired) as problem:
+            raise WrsimError(f"{file}: {browser} did not print the page: {problem}") from None
+        if not target.is_file():
+            lines = done.stderr.decode(errors="replace").strip().splitlines()
+            raise WrsimError(f"{file}: {browser} did not print the page{': ' + lines[-1] if lines else ''}")
+        return target.read_bytes()
 
 
 @dataclass(frozen=True)

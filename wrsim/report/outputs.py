@@ -95,8 +95,9 @@ def write_comparison(
     for name in names:
         each = {model.name: of_wheelset(model.result.dataset, name) for model in models}
         suffix, words = (f"_{name}", f"{title}: {name}") if len(names) > 1 else ("", title)
-        if all(has_patches(d) for d in each.values()):
-            figures[f"compare_patches{suffix}"] = partial(patches_figure, each, words)
+        drawn = {model: dataset for model, dataset in each.items() if has_patches(dataset)}
+        if comparison.reference in drawn and len(drawn) > 1:
+            figures[f"compare_patches{suffix}"] = partial(patches_figure, drawn, words)
     return files + save_all(figures, directory)
 
 

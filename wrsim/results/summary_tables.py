@@ -30,6 +30,12 @@ MOST_LINES = 10  # events and remarks that are listed
 MOST_NAMES = 8  # wheelsets and moments that the overview lists
 ROUND_OFF = {"kN": 1e-3, "mm": 1e-4, "mrad": 1e-4}
 """What is printed as 0: 1 N, how far that moves against 10 kN/mm, a stiff primary suspension, and turns over 1 m."""
+MOST_PATCHES = 24  # patches of poses that are listed; patches.csv has all of them
+OF_POSES = {
+    "N": "N", "p0": "p₀", "n_strips": "strips", "width": "width", "contact_angle_min": "γ min",
+    "contact_angle_max": "γ max",
+}  # fmt: skip
+"""Channels of the patches of poses that are listed, and their headings."""
 MOST_CURVES = 3  # full curves that are listed; summary.json has all of them
 
 Summary = Mapping[str, Any]
@@ -42,6 +48,8 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     labels = list(numbered(tuple(summary["wheelsets"])).values())
     if len(sets) == 1:
         tables = wheelset_tables(sets, [""], title=title)
+        if "pose" in dataset.dims:
+            tables = [patches_table(dataset, title), *(replace(table, title="") for table in tables)]
     else:
         tables = [vehicle_table(title, labels, [each["wheels"] for each in sets])]
         cells = {key: [_placed(each.get(key), peak.unit) for each in sets] for key, peak in OF_WHEELSET.items()}
@@ -61,6 +69,21 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
         tables.append(Table("Energy balance", (Column(), Column("work", "kJ")), parts))
     notes = (*first_lines(happened(summary), "events"), *integration(summary))
     return [*tables, Table("", notes=notes)] if notes else tables
+
+
+def patches_table(dataset: xr.Dataset, title: str) -> Table:
+    """Patches of the poses of one wheelset: force, pressure, strips, width, range of contact angles."""
+    one = of_wheelset(dataset, wheelsets(dataset)[0]).transpose("pose", "wheel", "patch", ...)
+    places = np.argwhere(np.isfinite(one["N"].values))
+    dims = [d for d, many in (("pose", True), ("wheel", one.sizes["wheel"] > 1), ("patch", places[:, 2].any())) if many]
+    texts = [*(one[dim].values.tolist() for dim in ("pose", "wheel")), PATCHES]
+    rows: list[list[Cell]] = []
+    for place in places[:MOST_PATCHES].tolist():
+        names = [texts[k][i] for k, i in enumerate(place) if ("pose", "wheel", "patch")[k] in dims]
+        rows.append([*names, *(float(one[n].values[tuple(place)]) * CHANNELS[n].shown.factor for n in OF_POSES)])
+    columns = (*map(Column, dims), *(Column.of(CHANNELS[name], words) for name, words in OF_POSES.items()))
+    more = (f"and {len(places) - MOST_PATCHES} more patches: see patches.csv",) if len(places) > MOST_PATCHES else ()
+    return Table(title, columns, rows, more)
 
 
 def numbers_of(dataset: xr.Dataset, summary: Summary) -> list[Table]:

@@ -1,9 +1,9 @@
 """Contact models by short names: ``half-space``, ``kik-piotrowski+polach``, ``kik-piotrowski+strips=80``.
 
-Parts are joined by ``+``: a normal model, a tangential model, and keys of [contact] with their values. What is not
-named stays as the scenario has it, but exact pressures get exact creep forces unless a part sets others or the
-scenario is frictionless, and other pressures their usual creep forces where the scenario names exact ones. ``file`` is
-the scenario's own choice.
+Parts are joined by ``+``: a normal model, a tangential model, and keys of [contact] with their values, or without one
+(``strip_width_mm=``) to leave out a key of the scenario. What is not named stays as the scenario has it, but exact
+pressures get exact creep forces unless a part sets others or the scenario is frictionless, and other pressures their
+usual creep forces where the scenario names exact ones. ``file`` is the scenario's own choice.
 """
 
 from typing import Any
@@ -11,18 +11,23 @@ from typing import Any
 from wrsim.contact.creep.laws import CREEP_LAWS
 from wrsim.contact.settings import USUAL
 from wrsim.errors import InputError
+from wrsim.inputs.changes import key_path
 from wrsim.inputs.toml_files import parse_value
 from wrsim.inputs.values import meant
 from wrsim.scenario.loading import Scenario
+from wrsim.scenario.merging import holds_key
 
 OWN = "file"
+HERTZ = "hertz"
+"""Hertz' ellipses on the contacts of another model, in comparisons."""
 
 
 def with_contact_model(scenario: Scenario, name: str) -> Scenario:
     """The scenario with the contact model of that name, checked. Raises InputError that names the model."""
     values = _values(scenario, name)
+    given = {key: value for key, value in values.items() if value is not None}
     try:
-        return scenario.with_values(values) if values else scenario
+        return scenario.with_values(given, without=[*(values.keys() - given)]) if values else scenario
     except InputError as error:
         raise InputError("\n".join(f'model "{name}": {line}' for line in str(error).split("\n"))) from None
 
@@ -33,6 +38,8 @@ def split_names(names: str) -> list[str]:
     for name in models:
         if not name:
             raise InputError(f'--contact {names}: has an empty name; write for example "kik-piotrowski,half-space"')
+        if HERTZ in name.split("+") and name != HERTZ:
+            raise InputError(f'--contact {names}: "{HERTZ}" stands alone: it has no creep forces and no keys')
         if models.count(name) > 1:
             raise InputError(f'--contact {names}: duplicate "{name}"')
     return models
@@ -45,7 +52,9 @@ def _values(scenario: Scenario, name: str) -> dict[str, Any]:
             continue
         key, equals, text = (p.strip() for p in part.partition("="))
         if equals:
-            chosen[f"contact.{key}"] = parse_value(text)
+            if not text and not holds_key(scenario.merged.data, key_path(f"contact.{key}")):
+                raise InputError(f'model "{name}": contact.{key} is not given in the scenario; KEY= unsets a key of it')
+            chosen[f"contact.{key}"] = parse_value(text) if text else None
         elif part in USUAL and "contact.normal" not in chosen:
             chosen["contact.normal"] = part
         elif part in CREEP_LAWS and "contact.tangential" not in chosen:

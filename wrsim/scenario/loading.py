@@ -136,7 +136,7 @@ class Scenario:
                 raise InputError(f"{error}{value_hint(value) if value[0] in '+-.0123456789' else ''}") from None
         return scenario
 
-    def with_values(self, values: Mapping[str, Any], owner: str = "new value") -> Scenario:
+    def with_values(self, values: Mapping[str, Any], owner: str = "new value", without: Sequence[str] = ()) -> Scenario:
         """The scenario with some keys changed, checked again.
 
         Parameters
@@ -148,6 +148,8 @@ class Scenario:
             lists, numbers and arrays of numpy.
         owner : str
             From where the values come, for messages.
+        without : sequence of str
+            Dotted keys to be left out.
 
         Returns
         -------
@@ -165,13 +167,13 @@ class Scenario:
         """
         if TRACK_FILE in values and len(values) > 1:  # what else is changed lies over the file
             rest = {key: value for key, value in values.items() if key != TRACK_FILE}
-            return self.with_values({TRACK_FILE: values[TRACK_FILE]}, owner).with_values(rest, owner)
+            return self.with_values({TRACK_FILE: values[TRACK_FILE]}, owner).with_values(rest, owner, without)
         data, owners = self.merged.data, dict(self.merged.owners)
-        for key, value in values.items():
+        for key, value in (*values.items(), *dict.fromkeys(without).items()):
             try:
                 path = full_path(data, own_path(key), by_name=False)
                 new = next((end for end in range(1, len(path)) if not holds_key(data, path[:end])), len(path))
-                data = changed(data, path, _plain(key, value))
+                data = changed(data, path, _plain(key, value) if key in values else None)
             except InputError as error:
                 raise InputError(f"{owner}: {error}") from None
             owners |= {path[:end]: owner for end in range(new, len(path) + 1)}
