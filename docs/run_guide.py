@@ -1,6 +1,6 @@
 """Executes the commands of the user guide, page by page, in one folder.
 
-    python docs/run_guide.py [--short] [PAGE ...]
+    python docs/run_guide.py [--short | --write] [PAGE ...]
 
 Lines that call ``wrsim``, ``cp`` or ``mkdir`` count, but those with a word in capitals, which stands for a name, and
 those of LEFT_OUT. Tutorials run as they are, unless --short is given; scenarios of other pages run in a short form,
@@ -8,6 +8,10 @@ without pictures, but for what their lines set themselves. With --short two proc
 the ends of their ranges alone; optimisations and calibrations tell their cost; units and live pages have a step that is
 given and, where they are for all systems, one of these. A line that ends with another exit code than 0, or than those
 of EXPECTED, is an error.
+
+Behind a command a page may have what the terminal prints: ``<!-- printed: COMMAND | 1-5 20-24 -->`` and a block of text
+with these lines. Without --short it is compared: words as they are, numbers within 1 % or two units of the last digit,
+so that it holds on other machines. --write writes it.
 """
 
 from __future__ import annotations
@@ -50,6 +54,9 @@ SHORT = {
     "climb": {"climb.angle_of_attack_mrad": 10, "climb.Y_over_Q": 1.99},
 }
 """What a scenario runs with on pages that are no tutorials, by its analysis."""
+PRINTED = re.compile(r"(<!-- printed: (.+?) \| ([\d -]+?) -->\n```text\n)(.*?)(^```)", re.M | re.S)
+"""What a page has of the output of a command: head, command, lines, text, end."""
+NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]\d+)?")
 FINE = {"run.distance_m": 0.2, "output.patches_at_m": []}
 """The same of scenarios with a short step of their own."""
 
@@ -61,6 +68,25 @@ def lines(page: Path) -> list[str]:
     found += re.findall(r"^ {4}(wrsim .*)$", text, re.M)
     plain = [re.split(r"\s{2,}", line)[0] for line in found]
     return [line for line in plain if line.split(" ")[0] in ("wrsim", "cp", "mkdir") and not LEFT_OUT.search(line)]
+
+
+def cut(output: str, ranges: str) -> str:
+    """Lines of an output, counted from 1, such as "1-5 20-24"; three points stand for what is left out."""
+    rows, parts = output.splitlines(), list[str]()
+    for first, last in (map(int, part.split("-")) for part in ranges.split()):
+        parts.append("\n".join(row.rstrip() for row in rows[first - 1 : last]))
+    return "\n...\n".join(parts) + "\n"
+
+
+def alike(written: str, printed: str) -> bool:
+    """Whether two outputs differ in nothing but the last digits of numbers: 1 %, or two units of the last digit."""
+    if re.sub(r" +|-{3,}", " ", NUMBER.sub("#", written)) != re.sub(r" +|-{3,}", " ", NUMBER.sub("#", printed)):
+        return False
+    for one, other in zip(NUMBER.findall(written), NUMBER.findall(printed), strict=True):
+        unit = 10.0 ** -len(one.partition("e")[0].partition(".")[2])
+        if abs(float(one) - float(other)) > max(0.01 * abs(float(one)), 2.0 * unit * ("." in one)):
+            return False
+    return True
 
 
 def ends(text: str) -> str:
@@ -105,10 +131,10 @@ def shortened(words: list[str], pictures: bool) -> list[str]:
 def main(chosen: list[str]) -> int:
     """Execute the pages; returns the number of faults."""
     pages = sorted((ROOT / "docs" / "user").glob("*.md"), key=lambda p: (p.stem not in FIRST, *_place(p)))
-    names = [name for name in chosen if name != "--short"]
+    names = [name for name in chosen if not name.startswith("--")]
     pages = [page for page in pages if not names or page.stem in names]
     if "--short" not in chosen:
-        return faults_of(pages, short=False)
+        return faults_of(pages, short=False, write="--write" in chosen)
     first = [page for page in pages if page.stem in set(FIRST) - {ALONE} or uses_others(page)]
     shares = (first, [page for page in pages if page not in first])
     with ProcessPoolExecutor(2) as pool:
@@ -130,8 +156,8 @@ def uses_others(page: Path) -> bool:
     return False
 
 
-def faults_of(pages: list[Path], short: bool) -> int:
-    """Execute pages in a folder of their own; returns the number of faults."""
+def faults_of(pages: list[Path], short: bool, write: bool = False) -> int:
+    """Execute pages in a folder of their own; returns the number of faults. write: what they print into them."""
     faults, done = 0, set[str]()
     with tempfile.TemporaryDirectory() as folder:
         for name in ("scenarios", "models"):
@@ -150,7 +176,24 @@ def faults_of(pages: list[Path], short: bool) -> int:
                 print(f"{word:6} {time.perf_counter() - begin:5.1f} s  {page.stem}: {line}", flush=True)
                 if not good:
                     print(output[-2000:])
+                elif not short:
+                    faults += not has_printed(page, line, output, write)
     return faults
+
+
+def has_printed(page: Path, line: str, output: str, write: bool) -> bool:
+    """Whether what a page has of the output of a line is what it prints; write: put it there."""
+    text = page.read_text(encoding="utf-8")
+    for found in PRINTED.finditer(text):
+        if found[2] != line:
+            continue
+        printed = cut(output, found[3])
+        if write:
+            page.write_text(text.replace(found[0], found[1] + printed + found[5]), encoding="utf-8")
+        elif not alike(found[4], printed):
+            print(f"the page {page.stem} has another output of: {line}\n{printed}")
+            return False
+    return True
 
 
 def _place(page: Path) -> tuple[int, str]:
