@@ -151,8 +151,9 @@ def test_the_hollow_wheel_jumps_over_its_hollow_and_fits_the_worn_corner():
     assert (angle[shift <= -3.0] < 0.0).all() and (angle[shift >= -2.0] > 9.0).all()
     at_7 = int(np.argmin(np.abs(shift - 7.0)))
     assert np.degrees(straight["contact_angle_variation"].values[at_7, 0, 0]) > 15.0
-    # the corner takes a share, and the pressure falls; by 40 strips
-    assert 1e-6 * straight["p0"].values[[at_7 - 1, at_7], 0, 0] == pytest.approx([2239.5, 1941.2], rel=0.01)
+    # the corner takes a share, and the pressure falls; by the exact solver. The second peak stands between two of 16
+    # strips, 0.014 low; by 40 of them 0.002
+    assert 1e-6 * straight["p0"].values[[at_7 - 1, at_7], 0, 0] == pytest.approx([2238.3, 1944.5], rel=0.015)
 
 
 def test_bare_arcs_are_placed_by_their_origins():

@@ -173,6 +173,29 @@ def test_a_yawed_wheel_presses_as_the_half_space_does(pair, lateral, yaw, wrong)
     assert lobes["N"].sum() == pytest.approx(exact.normal_force, rel=0.01)
 
 
+@pytest.mark.parametrize(("lateral", "load"), table("a_peak_as_narrow_as_three_strips_is_that_of_the_half_space"))
+def test_a_peak_as_narrow_as_three_strips_is_that_of_the_half_space(lateral, load):
+    """A peak of 0.6 mm beside a wide flat one on the flange root. 64 strips are up to 0.031 low there."""
+    model = contacts.pair_model("S1002/54E1 1:20", **STRIPS, **contacts.PLAIN)
+    contacts.settle(contacts.bench(model, rolling=False), lateral, 2e-3, load)
+    exact = HalfSpace(element=(4e-4, 1e-4)).solve_pose(model)
+    assert model.arrays.patches["p0"].max() == pytest.approx(exact.patches[0].p0, rel=0.035)
+
+
+def test_the_peak_does_not_jump_where_another_strip_becomes_the_largest():
+    stand = contacts.bench(contacts.pair_model("S1002/54E1 1:20", **STRIPS, **contacts.PLAIN), rolling=False)
+    lateral = np.linspace(6.594e-3, 6.599e-3, 51)
+    heights = np.linspace(*(contacts.settle(stand, y, 2e-3, 100e3)[0].height for y in lateral[[0, -1]]), lateral.size)
+    peaks, largest = np.empty(lateral.size), np.empty(lateral.size, int)
+    for i, (y, height) in enumerate(zip(lateral, heights, strict=True)):
+        stand.evaluate(y, height, 2e-3, 0.0)
+        contact = contacts.contact_of(stand)
+        peaks[i], largest[i] = contact.patches[0]["p0"], contact.strips[0]["p"].argmax()
+    assert largest[0] != largest[-1]
+    steps = np.abs(np.diff(peaks)) / peaks[1:]
+    assert steps.max() < 2.0 * np.median(steps)
+
+
 @pytest.mark.parametrize("strips, wrong", [(12, 0.02), (16, 0.016), (48, 0.008)])
 @pytest.mark.parametrize("ratio", [0.022, 0.1, 0.5, 1.0, 2.0, 10.0])
 def test_hertz_ellipses_are_exact_up_to_the_strips(ratio, strips, wrong):

@@ -19,8 +19,9 @@ from wrsim.contact.strips.grid import opposite, row_below
 from wrsim.contact.strips.grid_layout import set_grids
 from wrsim.contact.strips.records import ROWS, System, V
 from wrsim.contact.strips.solution import MAX_FOLLOWED, solve
-from wrsim.jit import Record, Records, kernel
+from wrsim.jit import Record, Records, inlined, kernel
 
+MAX_EXCESS = 1 / 60  # of a strip's pressure over that of the surface: of narrower peaks strips see the corner alone
 SAME_GRID = 0.5  # of the last contact within a grid's new bounds that makes it the same grid
 
 
@@ -162,22 +163,41 @@ def _set_results(model: Record, pose: WheelPose, lobe: Record, strips: Records) 
     lobe.amplitude = lobe.p0 / longest if longest > 0.0 else 0.0
 
 
+@inlined
+def _surface_pressure(strips: Records, n: int, i: int) -> float:
+    """Pressure in the middle of strip i: that of the strip less what its even spread takes (strip-peak)."""
+    p = strips[i].p
+    if i == 0 or i == n - 1:
+        return p
+    left, middle, right = strips[i - 1], strips[i], strips[i + 1]
+    slope = (right.p - p) / (right.s - middle.s) - (p - left.p) / (middle.s - left.s)
+    excess = max(-slope / (right.s - left.s), 0.0) * middle.ds * middle.ds / (12.0 * max(p, 1e-30))
+    return p * (1.0 - excess / (1.0 + excess / MAX_EXCESS))
+
+
 @kernel
 def _peak_pressure(strips: Records, n: int, largest: float) -> float:
-    """Peak of the pressure (strip-peak), from the largest strip and those beside it; at an end the pressure of that
-    strip, ``largest``."""
+    """Peak of the pressure (strip-peak), beside the largest strip; with fewer than four that strip's, ``largest``."""
+    if n < 4:
+        return largest
     i = 0
     for j in range(1, n):
         if strips[j].p > strips[i].p:
             i = j
-    if i == 0 or i == n - 1:
-        return largest
-    left, middle, right = strips[i - 1], strips[i], strips[i + 1]
-    to_left, to_right = middle.s - left.s, right.s - middle.s
-    before = (middle.p * middle.p - left.p * left.p) / to_left
-    behind = (right.p * right.p - middle.p * middle.p) / to_right
-    bend = (behind - before) / (to_left + to_right)
-    if bend >= 0.0:
-        return largest
-    slope = before + bend * to_left
-    return sqrt(middle.p * middle.p - 0.25 * slope * slope / bend + middle.ds * middle.ds * bend / 12.0)
+    peak = _surface_pressure(strips, n, i)
+    for k in range(max(i - 1, 0), min(i + 1, n - 1)):
+        j = min(max(k - 1, 0), n - 4)
+        e, f, g = strips[j + 1].s - strips[j].s, strips[j + 2].s - strips[j + 1].s, strips[j + 3].s - strips[j + 2].s
+        p0, p1 = _surface_pressure(strips, n, j), _surface_pressure(strips, n, j + 1)
+        p2, p3 = _surface_pressure(strips, n, j + 2), _surface_pressure(strips, n, j + 3)
+        first = (p1 - p0) / e, (p2 - p1) / f, (p3 - p2) / g
+        second = (first[1] - first[0]) / (e + f), (first[2] - first[1]) / (f + g)
+        third = (second[1] - second[0]) / (e + f + g)
+        # slope of Newton's cubic at a distance from strip j + 1: 3 third x^2 + 2 bend x + rise
+        bend, rise = second[0] + third * (e - f), first[0] + second[0] * e - third * e * f
+        square = bend * bend - 3.0 * third * rise
+        if square > 0.0 and bend < sqrt(square):
+            x = rise / (sqrt(square) - bend)
+            if strips[k].s <= strips[j + 1].s + x <= strips[k + 1].s:
+                peak = max(peak, p0 + (x + e) * (first[0] + x * (second[0] + third * (x - f))))
+    return peak
