@@ -287,7 +287,9 @@ def draw_track(
         ``value`` is the Track.
     """
     from wrsim.report.outputs import draw_model
+    from wrsim.results.table import Table
     from wrsim.scenario.track_build import track_model
 
     track = track_model(Path(file), models)
-    return Outcome([], {}, [draw_model("track", Path(picture), track)], track)
+    notes = [Table("", notes=(f"cant: {track.assumptions}",))] if track.assumptions else []
+    return Outcome(notes, {}, [draw_model("track", Path(picture), track)], track)

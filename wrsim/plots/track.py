@@ -36,7 +36,8 @@ def track_figure(track: Track) -> Figure:
     """Plan view above curvature, cant, gauge, height and grade, and irregularities against distance. A level track has
     no panel of height, an even one none of irregularities."""
     draws: list[Callable[[Axes, Track], object]] = [partial(_law, of=law) for law in LAWS]
-    draws += [] if track.centre_line.pitch_law.is_zero else [height]
+    draws += [] if track.lift is None else [rail_heights]
+    draws += [] if track.has_level_grade_line else [height]
     draws += [partial(irregularity, way=way) for way in ("vertical", "lateral")] if track.is_uneven else []
     figure = new_figure(full_width(), 84.0 + 27.0 * len(draws))
     grid = figure.add_gridspec(1 + len(draws), 1, height_ratios=(2.6, *(1.0 for _ in draws)))
@@ -105,12 +106,26 @@ def _law(axes: Axes, track: Track, of: tuple[str, str, float, str]) -> None:
     axes.set_ylabel(label)
 
 
+def rail_heights(axes: Axes, track: Track) -> None:
+    """Designed heights of both rail tops above the grade line, where the cant does not turn about the centre line."""
+
+    def top(side: int, s: NDArray[np.float64]) -> NDArray[np.float64]:
+        return 1e3 * track.rail_heights(s)[side]
+
+    for k, side in enumerate(("left", "right")):
+        _against_distance(axes, track, partial(top, k), WHEEL_COLOUR[side], 20.0)
+        axes.lines[-1].set_label(f"{side} rail")
+    axes.legend(loc="best", ncols=2, fontsize=6.5)
+    axes.set_ylabel("Rails above grade\nline [mm]")
+
+
 def height(axes: Axes, track: Track) -> None:
     """Height of the centre line; grades per thousand are written along it."""
     _against_distance(axes, track, lambda s: track.centre_line.position(s)[:, 2], INK, 1.0)
     law = track.centre_line.pitch_law
     for start, end in pairwise(law.breaks):
-        if abs(law(start, 1)) * (end - start) < 1e-12 and end - start > 0.06 * track.length:
+        bend = np.ptp(law(start + np.array([0.0, 0.3, 0.6, 1.0]) * (end - start)))
+        if bend < 1e-12 and end - start > 0.06 * track.length:
             middle = 0.5 * (start + end)
             at = middle, float(track.centre_line.position(middle)[2])
             grade = 1e3 * float(np.tan(law(start)))

@@ -99,6 +99,7 @@ class Setup(Generic[P]):
             **noted(self.profiles),
         }
         attributes |= {"structure": self.support} if self.support else {}
+        attributes |= {"cant": self.track.assumptions} if self.track.assumptions else {}
         attributes |= {"irregularities": self.irregularities} if self.irregularities else {}
         attributes |= {"train": self.vehicle.assumptions} if self.vehicle.assumptions else {}
         return attributes | ({"stop_reason": stop_reason} if stop_reason else {})

@@ -77,6 +77,7 @@ def facts(setup: Setup) -> dict[str, Any]:
         "gauge_mm": 1e3 * setup.track.nominal_gauge,
         "rails": [rail.name for rail in setup.rails],
         **({"structure": setup.support} if setup.support else {}),
+        **({"cant": setup.track.assumptions} if setup.track.assumptions else {}),
         **({"irregularities": setup.irregularities} if setup.irregularities else {}),
         **({"train": vehicle.assumptions} if vehicle.assumptions else {}),
         "files": [str(f) for f in setup.files],

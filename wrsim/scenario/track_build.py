@@ -131,6 +131,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
             cant_base=section.cant_base,
             step=section.row_distance_m,
             structure=structure,
+            pivot=section.pivot,
         )
 
 

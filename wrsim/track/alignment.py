@@ -24,12 +24,11 @@ from wrsim.track.forms import (
     distance_at,
     ramp_law,
 )  # fmt: skip
-from wrsim.track.piecewise import NODES, Array, Piecewise, interpolant
+from wrsim.track.piecewise import NODES, Array, Piecewise, interpolant, merged
 from wrsim.track.segments import MAX_CANT, ROUNDING, STEEPEST, Arc, Laws, Segment, Straight, Transition, check_range
 
 JOINT = 1e-3
 """Largest gap between elements, and largest step of cant or height at a joint [m]: the resolution of civil data."""
-SLIVER = 1e-7  # shortest piece between ends of elements of different lists [m]
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,7 @@ def alignment_laws(
     -------
     Laws, tuple of Segment
         The centre line lies half way between the rail tops: above the grade line by the mean height of both rails
-        (`Laws.rise` where the track begins). The segments name the pieces of the plan, with their length in space; they
+        (`Laws.lift`). The segments name the pieces of the plan, with their length in space; they
         have no cant. They go to ``from_laws(..., segments=...)``.
 
     Raises
@@ -128,26 +127,22 @@ def alignment_laws(
     def stretch(x: Array) -> Array:
         return np.hypot(1.0, slope(x))
 
-    places = np.concatenate([law.breaks for law in (curvature, cross, mean, height)])
-    places = np.unique(np.clip(places, 0.0, edges[-1]))
-    places = places[np.append(True, np.diff(places) > SLIVER)]
-    places[-1] = edges[-1]
+    laws = (curvature, cross, mean, height)
+    places = merged(*(np.clip(law.breaks, 0.0, edges[-1]) for law in laws))
     lengths = gauss_integrals(stretch, places[:-1], places[1:], 16)
     begin, share = np.repeat(places[:-1], NODES.size), (lengths[:, None] * NODES).ravel()
     x = distance_at(stretch, begin, share)
     distances = np.concatenate(([0.0], np.cumsum(lengths)))
 
     def over_length(values: Array) -> Piecewise:
-        rows = interpolant(values.reshape(lengths.size, NODES.size))
-        used = np.flatnonzero(np.any(rows != 0.0, axis=0))
-        return Piecewise.of_rows(distances, rows[:, : int(used.max(initial=1)) + 1])
+        return Piecewise.interpolated(distances, values.reshape(lengths.size, NODES.size))
 
     law = Laws(
         curvature=over_length(curvature(x) / stretch(x)),
         cant=over_length(cross(x)),
         widening=Piecewise.through(distances[[0, -1]], np.zeros(2)),
         pitch=over_length(np.arctan(slope(x))),
-        rise=float(mean(np.zeros(1))[0]),
+        lift=over_length(mean(x)),
     )
     spans = np.diff(np.interp(edges, places, distances)).tolist()
     return law, tuple(_segment(each, span) for each, span in zip(plan, spans, strict=True))

@@ -1,6 +1,6 @@
 """Cant: its base, and the angle of the track plane."""
 
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -8,6 +8,10 @@ STANDARD_GAUGE = 1.435  # standard gauge [m]
 RAIL_HEAD_WIDTH = 0.065  # difference of cant base and gauge where no cant base is given [m]
 CANT_BASE = STANDARD_GAUGE + RAIL_HEAD_WIDTH
 """Distance that standards measure cant, cant deficiency and twist over, whatever the gauge: 1.5 m."""
+
+Pivot = Literal["centre line", "low rail", "high rail", "left rail", "right rail"]
+PIVOTS: tuple[Pivot, ...] = get_args(Pivot)
+"""What cant turns the cross-section about: this stays at the height of the grade line."""
 
 
 def cant_angle(cant: Any, base: float) -> Any:

@@ -30,6 +30,17 @@ def interpolant(values: ArrayLike) -> Array:
     return np.asarray(series @ _chebyshev_powers())
 
 
+SLIVER = 1e-7  # shortest piece between breaks of different laws [m]
+
+
+def merged(*breaks: Array) -> Array:
+    """Breaks of several laws of one range in order, without pieces shorter than SLIVER."""
+    places = np.unique(np.concatenate(breaks))
+    inner = places[(places > places[0] + SLIVER) & (places < places[-1] - SLIVER)]
+    inner = inner[np.append(True, np.diff(inner) > SLIVER)[: inner.size]]
+    return np.concatenate((places[:1], inner, places[-1:]))
+
+
 @cache
 def _chebyshev_powers() -> Array:
     """Coefficients of rising powers of xi in Chebyshev's polynomials of 2 xi - 1, one a row."""
@@ -84,6 +95,13 @@ class Piecewise:
         return cls(Polynomials((coefficients / np.diff(edges) ** powers)[::-1], edges))
 
     @classmethod
+    def interpolated(cls, edges: Array, values: Array) -> Piecewise:
+        """Through values (m, n) at the NODES of each piece."""
+        rows = interpolant(values)
+        used = np.flatnonzero(np.any(rows != 0.0, axis=0))
+        return cls.of_rows(edges, rows[:, : int(used.max(initial=1)) + 1])
+
+    @classmethod
     def through(cls, s: Array, values: Array) -> Piecewise:
         """Straight lines through values (m + 1,) at rising s [m]."""
         return cls.of_rows(s, np.column_stack((values[:-1], np.diff(values))))
@@ -126,6 +144,30 @@ class Piecewise:
         law = self.pieces.derivative(derivative)
         return np.asarray(np.polyval(law.c[:, :-1], np.diff(law.x)[:-1])), law.c[-1, 1:]
 
+    def scaled(self, factor: float) -> Piecewise:
+        """The function times a factor."""
+        return Piecewise(Polynomials(factor * self.pieces.c, self.breaks))
+
+    def absolute(self) -> Piecewise:
+        """The size of the function, with a break wherever its sign changes."""
+        edges, share = self.breaks, np.linspace(0.0, 1.0, 9)
+        places = np.unique(edges[:-1, None] + share * np.diff(edges)[:, None])
+        crossing = np.flatnonzero(np.diff(np.sign(self(places))))
+        low, high = places[crossing], places[crossing + 1]
+        first = np.sign(self(low))
+        for _ in range(60):  # bisection down to rounding
+            middle = 0.5 * (low + high)
+            before = np.sign(self(middle)) == first
+            low, high = np.where(before, middle, low), np.where(before, high, middle)
+        parts = np.unique(np.concatenate([edges, low]))
+        sign = np.sign(self(0.5 * (parts[1:] + parts[:-1])))
+        return Piecewise(Polynomials(sign * self._taylor(parts), parts))
+
+    def _taylor(self, parts: Array, least: int = 0) -> Array:
+        """Coefficients of falling powers in parts (m + 1,) of the pieces, of the degree ``least`` at least."""
+        orders = range(max(least, len(self.pieces.c) - 1), -1, -1)
+        return np.array([self.pieces(parts[:-1], n) / factorial(n) for n in orders])
+
     def rounded(self, half_width: float) -> Piecewise:
         """The function with its kinks rounded over +-half_width [m], never beyond a neighbour.
 
@@ -140,8 +182,7 @@ class Piecewise:
         joint, jump = edges[1:-1][real], (behind - before)[real]
         width = np.minimum(half_width, np.minimum(length[:-1], length[1:]))[real]
         parts = np.unique(np.clip(np.concatenate([edges, joint - width, joint + width]), 0.0, self.end))
-        orders = range(max(4, len(self.pieces.c) - 1), -1, -1)
-        c = np.array([self.pieces(parts[:-1], n) / factorial(n) for n in orders])
+        c, orders = self._taylor(parts, 4), range(4, -1, -1)
         # (1 - a)^3 (3 + a) from s - w to s and from s to s + w, in falling powers of the distance from there over w
         halves = np.array([[-1.0, -1.0], [4.0, 0.0], [0.0, 6.0], [0.0, -8.0], [0.0, 3.0]])
         first, last = (np.searchsorted(parts[:-1], joint + sign * width) for sign in (-1.0, 1.0))
@@ -149,8 +190,8 @@ class Piecewise:
         neighbours = np.arange(which.size) + np.repeat(last - np.cumsum(last - first), last - first)
         s, w, half = joint[which], width[which], (parts[neighbours] >= joint[which]).astype(int)
         powers = np.cumprod([np.ones(neighbours.size), *[parts[neighbours] - np.where(half, s, s - w)] * 4], axis=0)
-        bump = (jump * width / 16.0)[which] * halves[:, half] / w ** np.array(orders[-5:])[:, None]
-        for row, n in zip(c[-5:], orders[-5:], strict=True):
+        bump = (jump * width / 16.0)[which] * halves[:, half] / w ** np.array(orders)[:, None]
+        for row, n in zip(c[-5:], orders, strict=True):
             slopes = sum(bump[4 - k] * powers[k - n] * perm(k, n) for k in range(n, 5))
             np.add.at(row, neighbours, slopes / factorial(n))
         return Piecewise(Polynomials(c, parts)) if real.any() else self

@@ -16,9 +16,9 @@ from numbers import Real
 import numpy as np
 
 from wrsim.errors import InputError
-from wrsim.track.cant import RAIL_HEAD_WIDTH
+from wrsim.track.cant import RAIL_HEAD_WIDTH, Pivot
 from wrsim.track.forms import CANT_FORMS, FORMS, CantForm, Form, check_form, checked_shift, curvature_law, ramp_law
-from wrsim.track.piecewise import Piecewise
+from wrsim.track.piecewise import NODES, Piecewise, merged
 
 LONGEST = 1e5  # longest segment [m]
 MAX_CANT = 0.25  # largest cant [m]; railways use up to 0.18 m
@@ -86,13 +86,14 @@ Segment = Straight | Arc | Transition
 @dataclass(frozen=True, eq=False)
 class Laws:
     """Curvature [1/m], signed cant [m] and gauge widening [m] over the distance along the centre line; angle of slope
-    [rad] where it is not given by grades; height of the centre line above the grade line at the start [m]."""
+    [rad] where it is not given by grades; height of the centre line above the grade line [m], which the angle of slope
+    contains, where the cant does not turn about the centre line."""
 
     curvature: Piecewise
     cant: Piecewise
     widening: Piecewise
     pitch: Piecewise | None = None
-    rise: float = 0.0
+    lift: Piecewise | None = None
 
 
 def kind_word(segment: Segment) -> str:
@@ -241,6 +242,22 @@ def _check_number(where: str, key: str, value: object) -> None:
         raise InputError(f"{where}: {key} = {value!r}; allowed: a finite number")
     if most:
         check_range(where, key, float(value), -most, most, 1e3)
+
+
+def lifted(law: Laws, pitch: Piecewise, pivot: Pivot) -> tuple[Piecewise, Piecewise | None]:
+    """Angle of slope of the centre line and its height above the grade line; pitch: angle of slope of the grade line,
+    or of the centre line of laws that have its height.
+
+    The pivot stays at the height of the grade line, and the centre line is half of the cant above or below it. Where
+    the low rail becomes the high one, the kink of its height is rounded as those of cant.
+    """
+    if law.lift is not None or pivot == "centre line" or law.cant.is_zero:
+        return pitch, law.lift
+    size = law.cant if pivot in ("left rail", "right rail") else law.cant.absolute().rounded(ROUNDING)
+    lift = size.scaled(0.5 if pivot in ("left rail", "low rail") else -0.5)
+    edges = merged(pitch.breaks, lift.breaks)
+    s = edges[:-1, None] + np.diff(edges)[:, None] * NODES
+    return Piecewise.interpolated(edges, np.arcsin(np.sin(pitch(s)) + lift(s, 1))), lift
 
 
 STEEPEST = 0.15  # largest grade: 150 per thousand; adhesion railways use up to 80

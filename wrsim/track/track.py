@@ -1,11 +1,12 @@
 """A track: segments -> centre line -> two swept rails.
 
-Cross-section. The centre line lies at the height of the rail tops, half way between the gauge points. Cant
-turns the cross-section about the centre line, which itself stays in its place: of the two rails one rises and the
-other falls by half the cant. Distance is counted along the centre line, also where it climbs. Gauge widening
-moves each rail outward by half of it. The origin of each rail profile sits at the outward distance gauge(s)/2 + o
-and the height b in the canted cross-section; (o, b) come from the inclined rail profile (o = -u of its gauge point,
-b = -w of its highest point). Irregularities move the rails along the axes of the cross-section, not the centre line.
+Cross-section. The centre line lies at the height of the rail tops, half way between the gauge points. Cant turns the
+cross-section about the centre line: of the two rails one rises and the other falls by half the cant. Where cant turns
+about a rail, the centre line rises or falls by half the cant as well. Distance is counted along the centre line, also
+where it climbs. Gauge widening moves each rail outward by half of it. The origin of each rail profile sits at the
+outward distance gauge(s)/2 + o and the height b in the canted cross-section; (o, b) come from the inclined rail profile
+(o = -u of its gauge point, b = -w of its highest point). Irregularities move the rails along the axes of the
+cross-section, not the centre line.
 """
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ from numpy.typing import ArrayLike
 from wrsim.errors import InputError
 from wrsim.inputs.notebook import card
 from wrsim.track.bridge import Bridge
-from wrsim.track.cant import RAIL_HEAD_WIDTH, STANDARD_GAUGE
-from wrsim.track.forms import LABEL
+from wrsim.track.cant import PIVOTS, RAIL_HEAD_WIDTH, STANDARD_GAUGE, Pivot
+from wrsim.track.forms import LABEL, check_form
 from wrsim.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.track.path import Path
-from wrsim.track.piecewise import Array
+from wrsim.track.piecewise import Array, Piecewise
 from wrsim.track.rail import CentreLine, SweptCurve
 from wrsim.track.segments import (
     ROUNDING,
@@ -38,8 +39,9 @@ from wrsim.track.segments import (
     check_range,
     kind_word,
     laws,
+    lifted,
     pitch_law,
-)
+)  # fmt: skip
 from wrsim.track.sleepers import SleeperTrack
 
 
@@ -92,6 +94,10 @@ class Track:
     """None: rigid rails."""
     reach: float = np.inf
     """Distance up to which tables of paths are made: beyond, they continue straight [m]."""
+    lift: Piecewise | None = None
+    """Height of the centre line above the grade line [m]; None: 0."""
+    pivot: Pivot = "centre line"
+    """What the cant turns about, unless the alignment has the heights of both rails."""
 
     @classmethod
     def build(
@@ -152,6 +158,7 @@ class Track:
         start: tuple[float, float, float] = (0.0, 0.0, 0.0),
         heading: float = 0.0,
         structure: RailElasticity | SleeperTrack | Bridge | None = None,
+        pivot: Pivot = "centre line",
     ) -> Track:
         """A track of given laws of curvature, cant and gauge.
 
@@ -160,7 +167,7 @@ class Track:
         rail profile's origin [m], outward of the gauge point and above the rail tops. cant_base: distance over which
         cant is measured [m], default gauge + 0.065 m. step: largest distance of the tables' rows [m]; None: 0.25 m, and
         on the rails what their irregularities need. start, heading: point [m] and direction [rad] at s = 0.
-        structure: what the rails rest on, None for rigid ones.
+        structure: what the rails rest on, None for rigid ones. pivot: what the cant turns about.
         """
         check_range("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
         base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
@@ -183,11 +190,18 @@ class Track:
         if length / rows > MAX_ROWS:
             far = f"track of {length:g} m with rows every {rows:g} m"
             raise InputError(f"{far}; allowed: {MAX_ROWS} rows (is length_m in metres?)")
-        pitch = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
-        line = CentreLine(law.curvature, pitch, (start[0], start[1], start[2] + law.rise), heading)
+        check_form("track", "pivot", pivot, PIVOTS)
+        if law.lift is not None and (grades or pivot != PIVOTS[0]):
+            named = f"pivot = {pivot!r}" if pivot != PIVOTS[0] else "grades"
+            raise InputError(f"track: {named} cannot be given with an alignment, which has the heights of both rails")
+        grade_line = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
+        pitch, lift = lifted(law, grade_line, pivot)
+        above = 0.0 if lift is None else float(lift(0.0))
+        line = CentreLine(law.curvature, pitch, (start[0], start[1], start[2] + above), heading)
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
         left, right = swept(1, *left_offset, uneven[1]), swept(-1, *right_offset, uneven[-1])
-        return cls(segments, gauge, base, line, left, right, ROWS if step is None else step, rows, structure)
+        steps = ROWS if step is None else step, rows
+        return cls(segments, gauge, base, line, left, right, *steps, structure, lift=lift, pivot=pivot)
 
     def __repr__(self) -> str:
         pieces = ", ".join(f"{f.label} {f.start:g}..{f.end:g} m" for f in self.features())
@@ -231,8 +245,36 @@ class Track:
         """Signed cant [m], positive when the right rail is higher."""
         return self.left_curve.cant(s)
 
+    def rail_heights(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Designed heights of the tops of the left and the right rail above the grade line [m]."""
+        lift = np.zeros(np.shape(s)) if self.lift is None else self.lift(s)
+        return lift - 0.5 * self.cant(s), lift + 0.5 * self.cant(s)
+
+    @property
+    def has_level_grade_line(self) -> bool:
+        """True when the centre line climbs by the cant alone, or not at all."""
+        law = self.centre_line.pitch_law
+        if self.lift is None or law.is_zero:
+            return law.is_zero
+        s = np.linspace(0.0, self.length, 1001)
+        return bool(np.abs(np.sin(law(s)) - self.lift(s, 1)).max() < 1e-9)
+
+    @property
+    def assumptions(self) -> str:
+        """What is assumed of the cant in one line; empty without cant."""
+        if self.left_curve.cant.is_zero:
+            return ""
+        stays = "which stays" if self.pivot == "centre line" else "whose top stays"
+        turns = f"turns about the {self.pivot}, {stays} at the height of the grade line"
+        if self.lift is not None and self.pivot == "centre line":
+            turns = "by the heights of both rails of the alignment"
+        bends = {s.centre_of_gravity_height for s in self.segments if isinstance(s, Transition)} - {None}
+        high = ", ".join(f"{height:g}" for height in sorted(filter(None, bends)))
+        bend = f"; Viennese bends for a centre of gravity {high} m above the rail tops" if high else ""
+        return f"over {1e3 * self.cant_base:g} mm, {turns}{bend}"
+
     def grade(self, s: ArrayLike) -> Array:
-        """Grade: rise over level length, positive uphill."""
+        """Grade of the centre line: rise over level length, positive uphill."""
         return np.asarray(np.tan(self.centre_line.pitch_law(s)))
 
     def gauge(self, s: ArrayLike) -> Array:
@@ -275,7 +317,12 @@ class Track:
     def relaid(self, segments: Sequence[Segment]) -> Track:
         """Another track, of these segments, with the same rails, gauge and cant base."""
         left, right = ((curve.outward, curve.height) for curve in (self.left_curve, self.right_curve))
-        rails: dict[str, Any] = {"left_offset": left, "right_offset": right, "structure": self.structure}
+        rails: dict[str, Any] = {
+            "left_offset": left,
+            "right_offset": right,
+            "structure": self.structure,
+            "pivot": self.pivot,
+        }
         return Track.build(segments, self.nominal_gauge, cant_base=self.cant_base, **rails)
 
     def features(self) -> tuple[Feature, ...]:

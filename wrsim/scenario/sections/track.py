@@ -15,7 +15,7 @@ from wrsim.inputs.values import List, number, number_limits, plain_number, posit
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
 from wrsim.scenario.sections.structure import AnyStructure
 from wrsim.track import segments
-from wrsim.track.cant import cant_base
+from wrsim.track.cant import Pivot, cant_base
 from wrsim.track.forms import CantForm, Form
 
 Length = Annotated[float, number(0.01, segments.LONGEST, "m")]
@@ -260,6 +260,8 @@ class TrackSection(Section, header="[track]"):
     """Check rail beside the right rail alone."""
     cant_base_mm: CantBase | None = None
     """Distance between the rail tops that cant is counted over; gauge + 65 mm unless given."""
+    pivot: Pivot = "centre line"
+    """What cant turns the track about, which stays at the height of the grade line."""
     segments: List[Annotated[Segment, Field(discriminator="kind")]] = ()
     """Straights, transitions and arcs, one after the other."""
     table: Annotated[str, text('a CSV file of measured track such as "line.csv"')] | None = None
