@@ -12,6 +12,7 @@ import csv
 import re
 import tomllib
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -104,23 +105,39 @@ def drawn(rows: Rows) -> list[str]:
     return [m for m in models(rows) if m in COLOURS and m not in ALIKE]
 
 
+def share_below(panel: Axes, rows: Rows, quantity: str, chosen: Iterable[str]) -> None:
+    """Share of the cases with an error below x by each model."""
+    for model in chosen:
+        e = np.sort(np.abs(errors(rows, model, quantity)))
+        share = (np.arange(len(e)) + 1.0) / len(rows)  # what a model did not solve counts as missed
+        panel.plot(np.maximum(e, 1e-4), 100.0 * share, color=COLOURS[model], linewidth=1.4,
+                   linestyle="--" if model in DASHED else "-", label=name_of(model))  # fmt: skip
+    panel.set_xscale("log")
+    panel.set_xlim(1e-4, 1.0)
+    panel.set_xticks([1e-4, 1e-3, 1e-2, 1e-1, 1.0], ["0.01 %", "0.1 %", "1 %", "10 %", "100 %"])
+    panel.set_ylim(0.0, 100.0)
+    panel.set_title(f"Error of the {QUANTITIES[quantity]}", loc="left", fontsize="medium")
+    panel.grid(True, which="major")
+
+
+def pressures() -> Figure:
+    """Share of the poses with an error of p0 below x, by four models."""
+    figure = new_figure(140, 75)
+    panel = figure.subplots()
+    share_below(panel, read("own_static"), "p0", ("strips", "kik-piotrowski", "kpec", "analyn"))
+    panel.set_ylabel("poses below [%]")
+    panel.set_xlabel("difference from CONTACT on 809 poses")
+    panel.legend(loc="upper left", frameon=False)
+    return figure
+
+
 def cumulative() -> Figure:
     """Share of the cases with an error below x, for four quantities."""
     rows = read("own_static")
     figure = new_figure(190, 150)
     axes = figure.subplots(2, 2, sharey=True)
-    for panel, (quantity, words) in zip(axes.flat, QUANTITIES.items(), strict=True):
-        for model in drawn(rows):
-            e = np.sort(np.abs(errors(rows, model, quantity)))
-            share = (np.arange(len(e)) + 1.0) / len(rows)  # what a model did not solve counts as missed
-            panel.plot(np.maximum(e, 1e-4), 100.0 * share, color=COLOURS[model], linewidth=1.4,
-                       linestyle="--" if model in DASHED else "-", label=name_of(model))  # fmt: skip
-        panel.set_xscale("log")
-        panel.set_xlim(1e-4, 1.0)
-        panel.set_xticks([1e-4, 1e-3, 1e-2, 1e-1, 1.0], ["0.01 %", "0.1 %", "1 %", "10 %", "100 %"])
-        panel.set_ylim(0.0, 100.0)
-        panel.set_title(f"Error of the {words}", loc="left", fontsize="medium")
-        panel.grid(True, which="major")
+    for panel, quantity in zip(axes.flat, QUANTITIES, strict=True):
+        share_below(panel, rows, quantity, drawn(rows))
     for panel in axes[:, 0]:
         panel.set_ylabel("cases below [%]")
     handles, labels = axes[0, 0].get_legend_handles_labels()
@@ -353,6 +370,33 @@ def time_table() -> str:
     return table(["one evaluation", "what", "median [us]", "95 % [us]"], body)
 
 
+STEP_CASES = {
+    "coach": "Manchester coach, R 300 m, 60 km/h",
+    "coach-erri-low": "the same on ERRI low, 160 km/h",
+    "freight": "laden freight wagon, R 300 m, 60 km/h",
+    "tram": "tram car, R 25 m, 15 km/h",
+    "gz18": "GZ18, R 300 m, AAR5, 60 km/h, 16 s",
+}
+
+
+def step_table() -> str:
+    """Errors of the time step against a tight run: rms of the wheelset or wheel with the least and the largest, max."""
+    rows, body = read("step_error"), []
+    for case, words in STEP_CASES.items():
+        for method, step in dict.fromkeys((r["method"], r["step_us"]) for r in rows if r["case"] == case):
+            cells = {r["quantity"]: r for r in rows if (r["case"], r["method"], r["step_us"]) == (case, method, step)}
+            label = {"default": " (default)", "rk44": " (RK44)"}.get(method, "")
+            head = [words, f"{float(step) / 1e3:g}{label}", next(iter(cells.values()))["evaluations"]]
+            numbers = ("{rms_least} to {rms_most} / {max}".format(**cells[q]) for q in STEP_QUANTITIES)
+            body.append([*head, *numbers])
+            words = ""
+    heads = (f"{name} {unit}" for name, unit in STEP_QUANTITIES.items())
+    return table(["case", "step ms", "evaluations", *heads], body)
+
+
+STEP_QUANTITIES = {"lateral": "µm", "yaw": "µrad", "N": "N", "Q": "N", "Y": "N"}
+
+
 def yardstick() -> str:
     """Errors of every quantity of every comparison, and what is allowed."""
     files = {path.stem: tomllib.loads(path.read_text(encoding="utf-8")) for path in COMPARISONS.glob("*.toml")}
@@ -372,6 +416,7 @@ def yardstick() -> str:
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {
+    "standing_p0": pressures,
     "standing_cumulative": cumulative,
     "standing_pairs": by_pair,
     "standing_arcs": arcs,
@@ -399,6 +444,8 @@ def values() -> dict[str, str]:
             found[f"arcs {model} p0"] = f"{100.0 * max(arc):.1f} %"
         for quantity in ("approach", "p0") if groove else ():
             found[f"grooves {model} {quantity}"] = f"{100.0 * max(abs(float(r[quantity]) - 1.0) for r in groove):.1f} %"
+    for row in read("step_error"):
+        found["step {case} {method} {step_us} {quantity}".format(**row)] = f"{row['rms_most']} / {row['max']}"
     return found
 
 
@@ -407,11 +454,12 @@ def rows_of(markdown: str) -> list[list[str]]:
     return [line.strip("| ").split(" | ") for line in markdown.splitlines()[2:]]
 
 
-def summary() -> str:
-    """One row per quantity: the reference, the largest difference, the command."""
+def summary(short: bool = False) -> str:
+    """One row per quantity: the reference, the largest difference, the command; short: ten of them."""
     rows = [
         (row["quantity"], REPORT["references"][row["beside"]]["name"], row["value"], _code(row["command"]))
         for row in REPORT["summary"]
+        if not short or row.get("short")
     ]
     return table(["quantity", "beside", "largest difference", "command"], rows)
 
@@ -428,7 +476,9 @@ def _code(command: str) -> str:
 
 
 PARTS: dict[str, Callable[[], str]] = {
+    "short": partial(summary, short=True),
     "summary": summary,
+    "steps": step_table,
     "references": references,
     "static": static_tables,
     "arcs": arc_table,

@@ -237,7 +237,7 @@ def test_what_a_unit_cannot_do_or_be_is_refused(made: Any, file: Path, tmp_path:
     assert f"{unit.names['whole']}: is not offered" in unit.refusal(unit.getInt32, [1])
     unit.step()  # none of it did any harm
     unit["push.force_y_N"] = 1e9
-    assert "left the track's neighbourhood" in unit.refusal(unit.step, 2000) or "not a number" in unit.messages[-1]
+    assert "no longer near its track" in unit.refusal(unit.step, 2000) or "not a number" in unit.messages[-1]
     assert unit.refusal(unit.step) == f"{unit.names['step']}: the unit is failed"
     unit.reset()
     assert unit.refusal(unit.step) == f"{unit.names['step']}: the unit is instantiated"

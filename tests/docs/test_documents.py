@@ -64,6 +64,34 @@ def test_equations_that_docstrings_name_are_on_a_theory_page() -> None:
     assert {label for label in labels if label.startswith("strip-")} - strips == {"strip-energy"}
 
 
+MOST_WORDS = 25
+"""Longest sentence of the user guide: CONTRIBUTING.md and engineers who read English as a second language."""
+BLOCKS = re.compile(r"^```.*?^```$|^\$\$.*?^\$\$[^\n]*$|<!--.*?-->", re.DOTALL | re.MULTILINE)
+LINES = re.compile(r"^(?: {4}|\||#|:::|>).*$", re.MULTILINE)
+LINK, NAME = re.compile(r"!?\[((?:`[^`]*`|[^]`])*)\]\([^)]*\)"), re.compile(r"`[^`]*`|\$[^$\n]*\$")
+
+
+def sentences(page: str) -> Iterator[str]:
+    """Sentences of a Markdown text without code, tables, headings; names and formulae are one word each."""
+    prose = NAME.sub("X", LINK.sub(r"\1", LINES.sub("\n", BLOCKS.sub("\n\n", page))))
+    for block in re.split(r"\n\s*\n|\n(?=\s*(?:[-*]|\d+\.) )", prose):
+        yield from re.split(r"(?<=[.!?])\**\s+(?=[^a-z])|(?<=:)\s+(?=[A-Z*])", " ".join(block.split()))
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs/user").glob("*.md")), ids=lambda page: page.stem)
+def test_sentences_of_the_guide_are_short(page: Path) -> None:
+    found = {each: len(re.findall(r"\S*\w\S*", each)) for each in sentences(page.read_text(encoding="utf-8"))}
+    assert {each: count for each, count in found.items() if count > MOST_WORDS} == {}
+
+
+def test_a_long_sentence_is_seen_past_names_links_and_lists() -> None:
+    long = " ".join(["word"] * 24)
+    text = (
+        f"# {long} {long}\n\n- {long} `a b c`. Next `k = 1.` one\n- {long} [two words](x.md)\n  $x y$.\n\n| {long} |\n"
+    )
+    assert [len(re.findall(r"\w+", each)) for each in sentences(text) if each] == [25, 3, 27]
+
+
 def slug(heading: str) -> str:
     """The anchor of a heading."""
     return re.sub(r"[^\w\- ]", "", heading.replace("`", "").lower()).strip().replace(" ", "-")

@@ -206,7 +206,7 @@ def test_no_word_is_cut_off_or_over_another_one_whatever_the_width_the_style_and
 def test_what_pictures_cannot_be_is_refused(chosen, tmp_path) -> None:
     (tmp_path / "bad").write_text("lines.linewidht: 3")
     with pytest.raises(
-        InputError, match=r"none of png|a dark ground|is not here|did you mean 'ggplot'|line 1.*lines\.linewidth"
+        InputError, match=r"none of png|dark background|font not found|did you mean 'ggplot'|line 1.*lines\.linewidth"
     ):
         look_of(**{key: str(tmp_path / "bad") if value == "BAD" else value for key, value in chosen.items()})
 

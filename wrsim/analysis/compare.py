@@ -83,7 +83,7 @@ class Compared:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Models and what they make of the same scenario; ``reference``: whom the others are measured against.
+    """Models and what they make of the same scenario; ``reference``: the reference model.
 
     values: dims (model, sample, wheel), ``sample`` those of the reference: every quantity of ``DIFFERENCES`` in SI
     units, and ``<quantity>_difference`` as a ratio, or in SI units where it is plain.

@@ -246,7 +246,7 @@ def use_threads(count: int) -> None:
         try:
             importlib.import_module("numba.np.ufunc.omppool")
         except ImportError:
-            needed = f"threads: {count} need OpenMP (Debian's libgomp1), which is not here; 1 needs none"
+            needed = f"threads: {count} need OpenMP (Debian's libgomp1), which is not found; 1 needs none"
             raise InputError(needed) from None
         CONFIG.THREADING_LAYER = "omp"
         numba.set_num_threads(count)

@@ -125,7 +125,7 @@ def look_of(
             settings |= {key: value for key, value in chosen.items() if not LAID_OUT.match(key)}
             grounds = (settings.get(key, "white") for key in ("figure.facecolor", "axes.facecolor"))
             if any(np.dot(to_rgb(ground), LUMA) < 0.5 for ground in grounds):
-                raise InputError(f"--style {style}: has a dark ground, and the letters of the pictures are dark")
+                raise InputError(f"--style {style}: dark background is not supported, letters are dark")
         except (KeyError, ValueError, UnicodeError, OSError) as problem:
             why = str(problem).strip("' ").splitlines()
             raise InputError(f"--style {style}: is no style file of matplotlib: {why[0] if why else problem}") from None
@@ -133,7 +133,7 @@ def look_of(
         try:
             font_manager.findfont(font, fallback_to_default=False)
         except ValueError:
-            raise InputError(f"--font {font}: is not here{suggest(font, font_manager.get_font_names())}") from None
+            raise InputError(f"--font {font}: font not found{suggest(font, font_manager.get_font_names())}") from None
         settings["font.family"] = [font, *STYLE["font.family"]]  # for the letters that it lacks
     return Look(kinds, width or Look.width, titled, tuple(settings.items()))
 

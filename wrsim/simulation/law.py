@@ -44,7 +44,7 @@ Contacts = tuple[ContactModel, ContactModel]
 SUPPORT, SUPPORT_DAMPING = 1e9, 1e5
 """Stiffness [N/m] and damping [N s/m] of rigid rails under each conical wheel."""
 
-OFF_TRACK = "the vehicle has left the track's neighbourhood at t = {:.6g} s"
+OFF_TRACK = "derailed: the vehicle is no longer near its track at t = {:.6g} s"
 
 
 class VehicleOnTrack(Layout):

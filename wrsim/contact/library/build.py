@@ -162,7 +162,7 @@ def compiler_for(target: str) -> list[str]:
     if compiler and shutil.which(compiler[0]):
         return compiler
     if compiler and "CC" in os.environ:
-        raise WrsimError(f"no C compiler: the variable CC names {compiler[0]}, which is not here")
+        raise WrsimError(f"no C compiler: the variable CC names {compiler[0]}, which is not found")
     if not find_spec("ziglang"):
         here = "no C compiler: there is no cc; Debian's gcc is one, zig another" if compiler else "needs zig"
         raise WrsimError(f"{target}: {here}: pip install 'wrsim[cross]'")
