@@ -275,21 +275,38 @@ def look(
 
 @documented
 def draw_track(
-    file: Annotated[str | Path, Argument("Scenario or track file (TOML).", "FILE")],
-    picture: Annotated[str | Path, into("The picture.", "PNG|SVG|PDF", default="<FILE>_track.png")],
+    file: Annotated[str | Path, Argument("Scenario, track file (TOML), IFC, LandXML or railML file.", "FILE")],
+    picture: Annotated[
+        str | Path,
+        into("The picture, or a civil file by its ending.", "PNG|SVG|PDF|IFC|XML", default="<FILE>_track.png"),
+    ],
     models: options.Models = (),
+    *,
+    alignment: Annotated[str | None, Option("Which alignment of a civil file that has several.", "NAME")] = None,
 ) -> Outcome:
-    """Draw the track of a scenario or of a track file: plan, curvature, cant, gauge, height, irregularities.
+    """Draw the track of a scenario, a track file or a civil file, or export it to IFC or LandXML.
+
+    The picture shows plan, curvature, cant, gauge, height and irregularities.
 
     Returns
     -------
     Outcome
         ``value`` is the Track.
     """
-    from wrsim.report.outputs import draw_model
-    from wrsim.results.table import Table
-    from wrsim.scenario.track_build import track_model
+    from datetime import date
 
-    track = track_model(Path(file), models)
-    notes = [Table("", notes=(f"cant: {track.assumptions}",))] if track.assumptions else []
-    return Outcome(notes, {}, [draw_model("track", Path(picture), track)], track)
+    from wrsim.report.outputs import draw_model
+    from wrsim.results import write_atomically
+    from wrsim.results.table import Table
+    from wrsim.scenario.track_build import exported, track_model
+    from wrsim.track.civil.files import ENDINGS
+
+    track, target = track_model(Path(file), models, alignment), Path(picture)
+    notes = [] if track.alignment is None else [f"alignment: {track.alignment.described}"]
+    notes += [f"cant: {track.assumptions}"] if track.assumptions else []
+    if target.suffix.lower() in ENDINGS:
+        text, left_out = exported(track, target, date.today().isoformat())
+        written, notes = write_atomically(target, text.encode()), [*notes, *left_out]
+    else:
+        written = draw_model("track", target, track)
+    return Outcome([Table("", notes=tuple(notes))] if notes else [], {}, [written], track)

@@ -101,6 +101,8 @@ class Setup(Generic[P]):
         attributes |= {"structure": self.support} if self.support else {}
         attributes |= {"cant": self.track.assumptions} if self.track.assumptions else {}
         attributes |= {"irregularities": self.irregularities} if self.irregularities else {}
+        if self.track.alignment is not None:
+            attributes["alignment"] = self.track.alignment.described
         attributes |= {"train": self.vehicle.assumptions} if self.vehicle.assumptions else {}
         return attributes | ({"stop_reason": stop_reason} if stop_reason else {})
 

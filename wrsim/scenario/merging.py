@@ -15,6 +15,7 @@ from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_toml, toml_text, write_toml
 from wrsim.inputs.us_units import metric_key
 from wrsim.inputs.values import Day, Source, text
+from wrsim.track.civil.files import ENDINGS
 
 BASE = "base"
 MOST_BASES = 20
@@ -133,8 +134,8 @@ def holds_key(data: Any, path: KeyPath) -> bool:
 FILE = "file"
 TRACK_FILE = f"track.{FILE}"
 """Key of [track] that names a track file."""
-LAYING = ("segments", "table")
-OF_ONE_LINE = (*LAYING, "grades", "irregularities", "rail_sections")
+LAYING = ("segments", "table", "alignment")
+OF_ONE_LINE = (*LAYING, "alignment_name", "grades", "irregularities", "rail_sections")
 """Keys of [track] that lay a line, one of which a track file has; what belongs to that line alone."""
 
 
@@ -167,11 +168,15 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
     key = ("track", FILE)
     try:
         path = finder.find(name)
-        text = toml_text(path, "track file")
+        civil = path.suffix.lower() in ENDINGS
+        text = write_toml({"track": {"alignment": name}}) if civil else toml_text(path, "track file")
     except InputError as error:
         raise InputError(fault_line(key, str(error), merged.locate, name)) from None
     below = of_text(text, str(path), (path,))
-    check_section(TrackFile, {k: v for k, v in below.data.items() if k != "track"}, below.locate)
+    if civil:
+        below.texts = {}  # which has no lines of keys
+    else:
+        check_section(TrackFile, {k: v for k, v in below.data.items() if k != "track"}, below.locate)
     inner = below.data.get("track")
     if not isinstance(inner, dict):
         raise InputError(f"{path}: track is missing: must be a table ([track] with [[track.segments]] or table)")

@@ -76,6 +76,7 @@ def facts(setup: Setup) -> dict[str, Any]:
         "drive": setup.drive,
         "gauge_mm": 1e3 * setup.track.nominal_gauge,
         "rails": [rail.name for rail in setup.rails],
+        **({} if setup.track.alignment is None else {"alignment": setup.track.alignment.described}),
         **({"structure": setup.support} if setup.support else {}),
         **({"cant": setup.track.assumptions} if setup.track.assumptions else {}),
         **({"irregularities": setup.irregularities} if setup.irregularities else {}),

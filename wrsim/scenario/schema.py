@@ -107,9 +107,9 @@ def _of_vehicle_and_track(
     if analysis.moves:
         if isinstance(raw.get("vehicle"), dict) and "speed_kmh" not in VehicleSection.keys_meant(vehicle):
             yield Fault(("vehicle", "speed_kmh"), f"{kind} needs a speed", missing=True)
-        laid = TrackSection.keys_meant(track) & {"segments", "table", "file"}
+        laid = TrackSection.keys_meant(track) & {"segments", "table", "alignment", "file"}
         if isinstance(raw.get("track"), dict) and (not laid or (laid == {"segments"} and track.get("segments") == [])):
-            message = f"{kind} needs a track of at least one of [[track.segments]], a table or a file"
+            message = f"{kind} needs a track of at least one of [[track.segments]], a table, an alignment or a file"
             yield Fault(("track", "segments"), message, missing=not laid)
     unused = [] if analysis.loaded else [("vehicle", key, "") for key in ("loads", "payloads")]
     if not analysis.moves:

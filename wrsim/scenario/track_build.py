@@ -27,7 +27,10 @@ from wrsim.scenario.merging import BASE, FILE
 from wrsim.scenario.sections.irregularities import TableSection
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.structure import MovingMassStructure
-from wrsim.scenario.sections.track import CheckRailSection, RollersSection
+from wrsim.scenario.sections.track import CheckRailSection, RollersSection, TrackSection
+from wrsim.track.cant import RAIL_HEAD_WIDTH, STANDARD_GAUGE
+from wrsim.track.civil.files import ENDINGS, alignment_of, civil_text, read_alignment
+from wrsim.track.civil.line import CivilLine
 from wrsim.track.crossing import read_crossing
 from wrsim.track.irregularities import Disturbance
 from wrsim.track.segments import Grade, Laws, Segment, Straight, laws
@@ -37,6 +40,9 @@ from wrsim.track.track import MAX_OFFSET, ROUNDING, RailElasticity, Track
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Wheelset
 
+SAME_GAUGE = 0.01
+"""Largest difference between the gauge of a civil file and that of the scenario [m]: 1432 and 1435 mm are both called
+standard gauge, 1520 and 1524 mm broad gauge."""
 LEVEL_TRACK = 100.0
 """Length of the straight of static and equilibrium analyses without segments in the file [m]."""
 TABLE_FADE = 20.0
@@ -45,8 +51,13 @@ BEYOND = 100.0
 """How far beyond the end of a run the tables of its track go [m]: more than a step and the rails under a wheel."""
 
 
-def track_model(path: Path, models: Sequence[str | Path] = ()) -> Track:
-    """The track of a scenario or of a track file. Raises InputError."""
+def track_model(path: Path, models: Sequence[str | Path] = (), alignment: str | None = None) -> Track:
+    """The track of a scenario, of a track file or of a civil file, there of that alignment. Raises InputError."""
+    if path.suffix.lower() in ENDINGS:
+        line = read_alignment(path, alignment)
+        gauge = line.gauge or (STANDARD_GAUGE if line.cant_base is None else line.cant_base - RAIL_HEAD_WIDTH)
+        law, row = line.laws(base := line.cant_base or gauge + RAIL_HEAD_WIDTH)
+        return Track.from_laws(law, gauge, segments=row, cant_base=base, alignment=line)
     data, _ = opened(path, what := "scenario or track file")
     if (kind := kind_of(path)) and not kind.startswith(("a scenario", "a track")):
         raise InputError(f"{path}: is {kind}; a {what} is needed here")
@@ -56,6 +67,27 @@ def track_model(path: Path, models: Sequence[str | Path] = ()) -> Track:
     else:
         scenario = load(path, models)
     return track_of(scenario, rails_of(scenario))
+
+
+def exported(track: Track, path: Path, date: str) -> tuple[str, list[str]]:
+    """The text of an IFC or LandXML file of a track, and what it leaves out. Raises InputError."""
+    if not track.segments:
+        raise InputError(
+            f"{path}: a measured track has no elements to export; allowed: tracks of segments, civil files"
+        )
+    line, notes = track.alignment, list[str]()
+    if line is None:
+        pitch = track.centre_line.pitch_law
+        line = alignment_of(path.stem, track.segments, pitch, track.grade_line or pitch, track.pivot)
+        again = Track.from_laws(line.laws(track.cant_base)[0], track.nominal_gauge, cant_base=track.cant_base)
+        s = np.linspace(0.0, min(track.length, again.length), max(2, math.ceil(track.length)))
+        away = np.abs(again.centre_line.position(s) - track.centre_line.position(s)).max()
+        notes.append(f"lengths and radii in plan; at most {1e3 * away:.2g} mm from the track")
+    if track.widening(np.linspace(0.0, track.length, 999)).any():
+        notes.append("gauge widening is left out")
+    if track.is_uneven:
+        notes.append("irregularities are left out")
+    return civil_text(line, path, track.cant_base, track.nominal_gauge, date), notes
 
 
 @lru_cache(maxsize=16)
@@ -94,12 +126,16 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
     gauge = section.gauge_mm / 1e3
     row: tuple[Segment, ...] = tuple(s.to_geometry() for s in section.segments)
     uneven: list[Disturbance] = []
+    line, base = None, section.cant_base
     with scenario.faults_at(("track",)):
         if section.table is not None:
             table = TrackTable.read(scenario.find(("track", "table"), section.table))
             law: Laws = table.laws(gauge)
             if any(name in table.columns for name in IRREGULARITIES):
                 uneven += table.disturbances(0.0, TABLE_FADE)
+        elif section.alignment is not None:
+            read = partial(_laid_line, section=section)
+            line, base, law, row = scenario.read(("track", "alignment"), section.alignment, read)
         else:
             row = row or (Straight(LEVEL_TRACK),)
             law = laws(row, gauge, ROUNDING, section.cant_base)
@@ -128,11 +164,22 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
             irregularities=uneven,
             left_offset=offsets[0],
             right_offset=offsets[1],
-            cant_base=section.cant_base,
+            cant_base=base,
             step=section.row_distance_m,
             structure=structure,
             pivot=section.pivot,
+            alignment=line,
         )
+
+
+def _laid_line(file: Path, section: TrackSection) -> tuple[CivilLine, float, Laws, tuple[Segment, ...]]:
+    """An alignment, the base of its cant [m], its laws and segments."""
+    line = read_alignment(file, section.alignment_name)
+    base = section.cant_base if section.cant_base_mm is not None else line.cant_base or section.cant_base
+    if line.gauge is not None and abs(line.gauge - section.gauge_mm / 1e3) > SAME_GAUGE:
+        told = f"its gauge is {1e3 * line.gauge:g} mm, track.gauge_mm is {plain_number(section.gauge_mm)}"
+        raise InputError(f"{file}: {told}; allowed: at most {1e3 * SAME_GAUGE:g} mm apart")
+    return line, base, *line.laws(base)
 
 
 def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, str]:

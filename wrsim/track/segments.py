@@ -18,7 +18,7 @@ import numpy as np
 from wrsim.errors import InputError
 from wrsim.track.cant import RAIL_HEAD_WIDTH, Pivot
 from wrsim.track.forms import CANT_FORMS, FORMS, CantForm, Form, check_form, checked_shift, curvature_law, ramp_law
-from wrsim.track.piecewise import NODES, Piecewise, merged
+from wrsim.track.piecewise import NODES, Array, Piecewise, merged
 
 LONGEST = 1e5  # longest segment [m]
 MAX_CANT = 0.25  # largest cant [m]; railways use up to 0.18 m
@@ -152,8 +152,7 @@ def laws(segments: Sequence[Segment], gauge: float, rounding: float, cant_base: 
     check_segments(segments, gauge)
     base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
     edges = np.concatenate(([0.0], np.cumsum([float(s.length) for s in segments])))
-    hands = _hands(segments)
-    start, end = np.array([_ends(segments, hands, i) for i in range(len(segments))]).transpose(1, 2, 0)
+    start, end = end_states(segments)
     forms = [s.form if isinstance(s, Transition) else "clothoid" for s in segments]
     shift = [
         checked_shift(f"segment {i + 1} (transition)", s.form, start[0, i], end[0, i], s.length,
@@ -185,6 +184,14 @@ def laws(segments: Sequence[Segment], gauge: float, rounding: float, cant_base: 
 
 
 RADII = ("radius", "radius_start", "radius_end")
+
+
+def end_states(segments: Sequence[Segment]) -> Array:
+    """Curvature [1/m], signed cant and widening [m] where segments begin and end: (2, 3, n)."""
+    hands = _hands(segments)
+    return np.array([_ends(segments, hands, i) for i in range(len(segments))]).transpose(1, 2, 0)
+
+
 State = tuple[float, float, float]
 LEVEL: State = (0.0, 0.0, 0.0)
 

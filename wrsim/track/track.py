@@ -24,6 +24,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.notebook import card
 from wrsim.track.bridge import Bridge
 from wrsim.track.cant import PIVOTS, RAIL_HEAD_WIDTH, STANDARD_GAUGE, Pivot
+from wrsim.track.civil.line import CivilLine
 from wrsim.track.forms import LABEL, check_form
 from wrsim.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.track.path import Path
@@ -96,8 +97,12 @@ class Track:
     """Distance up to which tables of paths are made: beyond, they continue straight [m]."""
     lift: Piecewise | None = None
     """Height of the centre line above the grade line [m]; None: 0."""
+    grade_line: Piecewise | None = None
+    """Angle of slope of the grade line [rad]; None: that of the centre line."""
     pivot: Pivot = "centre line"
     """What the cant turns about, unless the alignment has the heights of both rails."""
+    alignment: CivilLine | None = None
+    """The civil file's line that it was laid from."""
 
     @classmethod
     def build(
@@ -159,6 +164,7 @@ class Track:
         heading: float = 0.0,
         structure: RailElasticity | SleeperTrack | Bridge | None = None,
         pivot: Pivot = "centre line",
+        alignment: CivilLine | None = None,
     ) -> Track:
         """A track of given laws of curvature, cant and gauge.
 
@@ -167,7 +173,8 @@ class Track:
         rail profile's origin [m], outward of the gauge point and above the rail tops. cant_base: distance over which
         cant is measured [m], default gauge + 0.065 m. step: largest distance of the tables' rows [m]; None: 0.25 m, and
         on the rails what their irregularities need. start, heading: point [m] and direction [rad] at s = 0.
-        structure: what the rails rest on, None for rigid ones. pivot: what the cant turns about.
+        structure: what the rails rest on, None for rigid ones. pivot: what the cant turns about. alignment: the civil
+        line of the laws.
         """
         check_range("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
         base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
@@ -201,7 +208,8 @@ class Track:
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
         left, right = swept(1, *left_offset, uneven[1]), swept(-1, *right_offset, uneven[-1])
         steps = ROWS if step is None else step, rows
-        return cls(segments, gauge, base, line, left, right, *steps, structure, lift=lift, pivot=pivot)
+        more: dict[str, Any] = {"lift": lift, "pivot": pivot, "alignment": alignment, "grade_line": grade_line}
+        return cls(segments, gauge, base, line, left, right, *steps, structure, **more)
 
     def __repr__(self) -> str:
         pieces = ", ".join(f"{f.label} {f.start:g}..{f.end:g} m" for f in self.features())

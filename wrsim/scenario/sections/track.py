@@ -230,7 +230,8 @@ class TrackSection(Section, header="[track]"):
     """
 
     at_most_one = (
-        "segments table", "check_rail check_rail_left", "check_rail check_rail_right", "rollers table",
+        "segments table", "segments alignment", "table alignment", "alignment grades", "rollers alignment",
+        "check_rail check_rail_left", "check_rail check_rail_right", "rollers table",
         "rollers grades", "rollers irregularities", "rollers rail_sections", "rollers check_rail",
         "rollers check_rail_left", "rollers check_rail_right",
     )  # fmt: skip
@@ -266,6 +267,10 @@ class TrackSection(Section, header="[track]"):
     """Straights, transitions and arcs, one after the other."""
     table: Annotated[str, text('a CSV file of measured track such as "line.csv"')] | None = None
     """Measured curvature, cant and gauge over the distance, in place of segments."""
+    alignment: Annotated[str, text('an IFC, LandXML or railML file such as "line.ifc"')] | None = None
+    """Line of a civil file in place of segments and grades: plan, profile and cant of each rail."""
+    alignment_name: Annotated[str, text('the name of an alignment such as "track 1"')] | None = None
+    """Which alignment of the file, where it has several."""
     grades: List[GradeSection] = ()
     """Where the line begins to climb or fall."""
     irregularities: List[Annotated[IrregularitySection, Field(discriminator="kind")]] = ()

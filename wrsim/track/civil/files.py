@@ -1,0 +1,88 @@
+"""Civil files of tracks by their kind, and the record of a track of ours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from wrsim.contact.profiles.curves import gauss_integrals
+from wrsim.errors import InputError, suggest
+from wrsim.track.cant import Pivot
+from wrsim.track.civil.ifc import ifc_text, read_ifc
+from wrsim.track.civil.landxml import landxml_text, read_landxml
+from wrsim.track.civil.line import MOST, RAILS, Cant, CivilLine, Plan, Profile, ramp_of
+from wrsim.track.civil.railml import read_railml
+from wrsim.track.civil.xml_tree import read_xml
+from wrsim.track.forms import CantForm, Form
+from wrsim.track.piecewise import Piecewise, merged
+from wrsim.track.segments import Segment, end_states
+
+ENDINGS = (".ifc", ".xml", ".landxml", ".railml")
+"""Endings of the names of civil files."""
+
+
+def read_alignment(path: Path, name: str | None = None) -> CivilLine:
+    """An alignment of an IFC, LandXML or railML file; name: which one of several. Raises InputError."""
+    lines: dict[str, Callable[[], CivilLine]]
+    if path.suffix.lower() == ".ifc":
+        lines = read_ifc(path)
+    else:
+        root = read_xml(path, "LandXML or railML file")
+        if root.tag not in ("LandXML", "railML"):
+            raise InputError(f"{path}: begins with <{root.tag}>; allowed: <LandXML> or <railML>")
+        lines = read_landxml(root) if root.tag == "LandXML" else read_railml(root)
+    listed = ", ".join(f'"{each}"' for each in [*lines][:20]) + (", ..." if len(lines) > 20 else "")
+    if not lines:
+        raise InputError(f"{path}: has no alignment in plan")
+    if name is None and len(lines) > 1:
+        raise InputError(f"{path}: has {len(lines)} alignments; choose one by alignment_name: {listed}")
+    if name is not None and name not in lines:
+        raise InputError(f"{path}: has no alignment '{name}'; allowed: {listed}{suggest(name, [*lines])}")
+    line = lines[name if name is not None else next(iter(lines))]()
+    if (count := max(map(len, (line.plan, line.profile, line.cant)))) > MOST:
+        raise InputError(f"{path}: '{line.name}' has {count} elements; allowed: {MOST}")
+    return line
+
+
+def civil_text(line: CivilLine, path: Path, base: float, gauge: float, date: str) -> str:
+    """The text of an IFC or LandXML file, by the ending of its name. base: distance over which cant is counted [m];
+    gauge [m]; date: of today. Raises InputError."""
+    if path.suffix.lower() == ".railml":
+        raise InputError(f"{path}: railML is read only; allowed: .ifc, .xml (LandXML)")
+    return ifc_text(line, base, date) if path.suffix.lower() == ".ifc" else landxml_text(line, base, gauge, date)
+
+
+def alignment_of(
+    name: str, segments: Sequence[Segment], pitch: Piecewise, grade_line: Piecewise, pivot: Pivot
+) -> CivilLine:
+    """The record of segments, and of the angles of slope of the centre line and of the grade line, in circles and
+    constant grades, over the distance along the centre line.
+
+    Lengths in plan are those along the line times the cosine of the slope, and radii are such that directions at the
+    joints are kept: exact but for a curve within a vertical curve, whose slope varies. Gauge widening is left out.
+    """
+    edges = np.concatenate([[0.0], np.cumsum([segment.length for segment in segments])])
+    places = merged(edges, pitch.breaks, grade_line.breaks)
+    plan = np.cumsum([0.0, *gauss_integrals(lambda s: np.cos(pitch(s)), places[:-1], places[1:], 16)])
+    starts, bends = (np.interp(x, places, plan).tolist() for x in (edges, grade_line.breaks))
+    elements, ramps = list[Plan](), list[Cant]()
+    for i, (segment, states) in enumerate(zip(segments, end_states(segments).transpose(2, 0, 1).tolist(), strict=True)):
+        (first, cant, _), (last, end_cant, _) = states
+        form: Form = getattr(segment, "form", "clothoid")
+        ramp: CantForm = getattr(segment, "cant_form", None) or ramp_of(form)
+        length, height = starts[i + 1] - starts[i], getattr(segment, "centre_of_gravity_height", None)
+        bent = segment.length / length
+        elements.append(Plan(length, bent * first, bent * last, form, height))
+        ramps.append(Cant(starts[i], length, RAILS[pivot](cant), RAILS[pivot](end_cant), ramp))
+    profile, high = list[Profile](), 0.0
+    slopes = np.tan(grade_line(grade_line.breaks)).tolist()
+    for start, end, slope, end_slope in zip(bends, bends[1:], slopes, slopes[1:], strict=False):
+        kind: Literal["circle", "parabola"] = "parabola" if slope == end_slope else "circle"
+        profile.append(Profile(start, end - start, slope, end_slope, kind, high))
+        high = profile[-1].end_height
+    level = not any(any(ramp.rails_start + ramp.rails_end) for ramp in ramps)
+    rows = tuple(elements), () if grade_line.is_zero else tuple(profile), () if level else tuple(ramps)
+    return CivilLine(name, name, *rows)
