@@ -17,6 +17,7 @@ PROFILES = "wheels/S1002.toml rails/60E1.toml"
 COMMANDS = {
     "manchester_1.svg": "vehicle vehicles/manchester_1.toml -o manchester_1.svg",
     "freight_y25.svg": "vehicle vehicles/freight_y25.toml -o freight_y25.svg",
+    "three_piece.svg": "vehicle vehicles/three_piece_100t.toml -o three_piece.svg",
     "stationary.png": "vehicle vehicles/freight_y25.toml --twist-test --rotation-test --loops stationary.png",
     "conicity_map.png": f"conicity {PROFILES} --gauges-mm 1430 1440 1 -o map",
     "crh380a_bifurcation.png": "run scenarios/stability_crh380a.toml -o crh380a",

@@ -19,7 +19,8 @@ Kind = Annotated[
 ]
 SYSTEMS = "linux", "linux-arm", "windows", "macos"
 TEMPLATES = (
-    "vehicle: coach, metro, freight, tram, locomotive, wheelset; track: curve, line; profile: wheel, rail, worn-wheel."
+    "vehicle: coach, metro, freight, three-piece, tram, locomotive, wheelset; track: curve, line; "
+    "profile: wheel, rail, worn-wheel."
 )
 
 

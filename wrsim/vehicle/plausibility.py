@@ -157,12 +157,12 @@ def _distances(vehicle: Vehicle) -> Iterator[str]:
         yield from (messages[0].format(_more(messages, "pair")) for _ in messages[:1])
     if close:
         return
-    spans = dict[str, tuple[float, float]]()
+    spans = dict[tuple[float, float], str]()  # side frames of one truck have one span
     for name in (body.name for body in vehicle.bodies if body is not vehicle.parts[vehicle.reference]):
         joined = [{*_carriers(vehicle, e)} for e in vehicle.elements]
         held = [m.x for m in vehicle.wheelsets if {name, m.name} in joined]
-        spans |= {name: (min(held), max(held))} if len(held) > 1 else {}
-    for (first, span), (second, other) in pairwise(sorted(spans.items(), key=lambda item: -sum(item[1]))):
+        spans |= {(min(held), max(held)): name} if len(held) > 1 else {}
+    for (span, first), (other, second) in pairwise(sorted(spans.items(), key=lambda item: -sum(item[0]))):
         if other[1] > span[0]:
             mixed = (
                 f"wheelsets of '{first}' and '{second}' are among each other: {span[1] - span[0]:.4g} m is a wheelbase"

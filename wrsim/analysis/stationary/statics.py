@@ -16,8 +16,9 @@ import numpy as np
 
 from wrsim.errors import SimulationError
 from wrsim.jit.linalg import Vec
+from wrsim.simulation.force_law import all_on_all
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.newton import damped_newton
+from wrsim.simulation.newton import damped_newton, relax
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import TOLERANCE, SteadyMotion
 from wrsim.simulation.system import COORDINATES, Array
@@ -31,6 +32,7 @@ from wrsim.vehicle.vehicle import Vehicle
 SUPPORT = 1e10  # stiffness of a support [N/m]
 PARTS = 0.25, 0.5, 0.75, 1.0
 """Parts of the loads, one after the other, where the rest under all of them is not found at once."""
+RELAXING = 200  # most steps of a motion with the forces
 LENGTH, PLACE = 200.0, 100.0  # level track, and where on it the vehicle is [m]
 
 X, Y, Z, HEADING, ROLL, SPIN = (COORDINATES.index(name) for name in ("x", "y", "z", "heading", "roll", "spin"))
@@ -191,6 +193,10 @@ class SupportedVehicle(SteadyMotion):
 
         with self.law.relaxed_dampers(self.slips):
             x[free], left, _ = damped_newton(residual, x[free].copy(), self.small[free], TOLERANCE, 100)
+            if np.max(np.abs(left)) > TOLERANCE:  # stopped at a spring that lets go: move with the forces for a while
+                terms = [(residual, all_on_all(free.size))]
+                crept, _ = relax(residual, x[free].copy(), self.small[free], terms, TOLERANCE, RELAXING, np.copy)
+                x[free], left, _ = damped_newton(residual, crept, self.small[free], TOLERANCE, 100)
         largest = float(np.max(np.abs(left)))
         if not largest <= TOLERANCE:
             raise SimulationError(
