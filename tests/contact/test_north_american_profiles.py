@@ -6,8 +6,9 @@ import math
 import numpy as np
 import pytest
 from support.commands import ok
+from support.hertz import COMPLIANCE, hertz
 
-from wrsim import load_profile
+from wrsim import load_profile, load_text, run
 
 INCH = 0.0254
 
@@ -49,3 +50,33 @@ def test_a_new_wheel_rolls_on_its_cone(inclination: str) -> None:
     answer = json.loads(ok("conicity", "wheels/AAR_1in20.toml", "rails/136RE.toml", *options).stdout)
     conicities = [*answer["equivalent_conicity"].values()]
     assert conicities == pytest.approx([0.05] * len(conicities), abs=1e-6) and len(conicities) > 2
+
+
+LAID = """
+title = "a wheel of 263 kip on its rail"
+analysis = "static"
+[vehicle]
+model = "vehicles/three_piece_100t.toml"
+[track]
+gauge_in = 56.5
+gauge_depth_in = 0.625
+rail = "rails/136RE.toml"
+inclination = "1:40"
+[static]
+target = "wheel"
+lateral_mm = 0
+load_kip = 32.875
+[contact]
+friction = 0.0
+"""
+
+
+@pytest.mark.parametrize("inclination", ["1:40", "1:20"])
+def test_the_pressure_of_a_laden_wheel_is_that_of_hertz(inclination: str) -> None:
+    """Crown of 8 in under a cone of 1:20 on a wheel of 36 in: p0 by Hertz for the normal force."""
+    dataset = run(load_text(LAID.replace("1:40", inclination))).dataset
+    normal = float(dataset["N"].max())
+    rolling, crown = 1.0 / (2.0 * 18.0 * INCH * math.hypot(1.0, 0.05)), 1.0 / (2.0 * 8.0 * INCH)
+    unit = hertz(rolling / crown)
+    p0 = unit.p0 * (normal / unit.force) ** (1 / 3) * (COMPLIANCE.modulus * crown) ** (2 / 3)
+    assert float(dataset["p0"].max()) == pytest.approx(p0, rel=3e-3)  # 16 strips
