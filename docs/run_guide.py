@@ -1,6 +1,6 @@
 """Executes the commands of the user guide, page by page, in one folder.
 
-    python docs/run_guide.py [--short | --write] [PAGE ...]
+    python docs/run_guide.py [--short | --whole | --write] [PAGE ...]
 
 Lines that call ``wrsim``, ``cp`` or ``mkdir`` count, but those with a word in capitals, which stands for a name, and
 those of LEFT_OUT. Tutorials run as they are, unless --short is given; scenarios of other pages run in a short form,
@@ -10,8 +10,9 @@ given and, where they are for all systems, one of these. A line that ends with a
 of EXPECTED, is an error.
 
 Behind a command a page may have what the terminal prints: ``<!-- printed: COMMAND | 1-5 20-24 -->`` and a block of text
-with these lines. Without --short it is compared: words as they are, numbers within 1 % or two units of the last digit,
-so that it holds on other machines. --write writes it.
+with these lines. Where the page runs as it is, they are compared: words as they are, numbers within 1 % or two units of
+the last digit, so that they hold on other machines. --whole runs pages that are no tutorials as they are too; --write
+does so and writes what is printed.
 """
 
 from __future__ import annotations
@@ -56,6 +57,7 @@ SHORT = {
 """What a scenario runs with on pages that are no tutorials, by its analysis."""
 PRINTED = re.compile(r"(<!-- printed: (.+?) \| ([\d -]+?) -->\n```text\n)(.*?)(^```)", re.M | re.S)
 """What a page has of the output of a command: head, command, lines, text, end."""
+PROGRESS = re.compile(r"\d+%, .* left$")
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]\d+)?")
 FINE = {"run.distance_m": 0.2, "output.patches_at_m": []}
 """The same of scenarios with a short step of their own."""
@@ -72,7 +74,7 @@ def lines(page: Path) -> list[str]:
 
 def cut(output: str, ranges: str) -> str:
     """Lines of an output, counted from 1, such as "1-5 20-24"; three points stand for what is left out."""
-    rows, parts = output.splitlines(), list[str]()
+    rows, parts = [row for row in output.splitlines() if not PROGRESS.match(row)], list[str]()
     for first, last in (map(int, part.split("-")) for part in ranges.split()):
         parts.append("\n".join(row.rstrip() for row in rows[first - 1 : last]))
     return "\n...\n".join(parts) + "\n"
@@ -134,7 +136,8 @@ def main(chosen: list[str]) -> int:
     names = [name for name in chosen if not name.startswith("--")]
     pages = [page for page in pages if not names or page.stem in names]
     if "--short" not in chosen:
-        return faults_of(pages, short=False, write="--write" in chosen)
+        write = "--write" in chosen
+        return faults_of(pages, short=False, whole=write or "--whole" in chosen, write=write)
     first = [page for page in pages if page.stem in set(FIRST) - {ALONE} or uses_others(page)]
     shares = (first, [page for page in pages if page not in first])
     with ProcessPoolExecutor(2) as pool:
@@ -156,8 +159,9 @@ def uses_others(page: Path) -> bool:
     return False
 
 
-def faults_of(pages: list[Path], short: bool, write: bool = False) -> int:
-    """Execute pages in a folder of their own; returns the number of faults. write: what they print into them."""
+def faults_of(pages: list[Path], short: bool, whole: bool = False, write: bool = False) -> int:
+    """Execute pages in a folder of their own; returns the number of faults. whole: all of them as they are; write: what
+    they print into them."""
     faults, done = 0, set[str]()
     with tempfile.TemporaryDirectory() as folder:
         for name in ("scenarios", "models"):
@@ -168,7 +172,8 @@ def faults_of(pages: list[Path], short: bool, write: bool = False) -> int:
                     continue
                 done.add(line)
                 begin = time.perf_counter()
-                code, output = executed(line, Path(folder), page.stem in FIRST, short)
+                as_is = not short and (whole or page.stem in FIRST)
+                code, output = executed(line, Path(folder), as_is or page.stem in FIRST, short)
                 words = shlex.split(line)
                 good = code in EXPECTED.get(words[1], (0,)) if words[0] == "wrsim" else code == 0
                 faults += not good
@@ -176,7 +181,7 @@ def faults_of(pages: list[Path], short: bool, write: bool = False) -> int:
                 print(f"{word:6} {time.perf_counter() - begin:5.1f} s  {page.stem}: {line}", flush=True)
                 if not good:
                     print(output[-2000:])
-                elif not short:
+                elif as_is:
                     faults += not has_printed(page, line, output, write)
     return faults
 
