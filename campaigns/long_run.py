@@ -1,7 +1,7 @@
-"""Memory and disk of a long run of the coach. Run: python campaigns/long_run.py [KM] [--json]
+"""Memory and disk of a long run of the coach. Run: python campaigns/long_run.py [KM] [--speed 200] [--json]
 
-The Manchester coach at 200 km/h over curves of 3000 m and straights between them, Kik-Piotrowski with few strips: what
-is stored does not depend on that. Memory of the process (resident, MB) at a tenth, at half and at the end of the way;
+The Manchester coach over curves of 3000 m and straights between them, Kik-Piotrowski with few strips: what is stored
+does not depend on that. Memory of the process (resident, MB) at a tenth, at half and at the end of the way;
 then, each in a process of its own, the largest while the result of the first tenth, half and all of it is put together
 and saved, and while its tables are written; the size of what stands on disk, a kilometre.
 """
@@ -42,10 +42,10 @@ def line(kilometres: float) -> list[dict[str, Any]]:
     return [s | ({"radius_m": -3000.0} if i % 2 and s["kind"] == "arc" else {}) for i in range(count) for s in piece]
 
 
-def values(kilometres: float) -> dict[str, Any]:
+def values(kilometres: float, speed: float) -> dict[str, Any]:
     """Keys of the run."""
     return {
-        "vehicle.speed_kmh": 200.0,
+        "vehicle.speed_kmh": speed,
         "track.segments": line(kilometres),
         "run.distance_m": 1e3 * kilometres,
         "run.output_interval_ms": 5.0,
@@ -90,19 +90,20 @@ def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("kilometres", nargs="?", type=float, default=10.0)
+    parser.add_argument("--speed", type=float, default=200.0, help="[km/h]")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        figures = measured(Path(name), options.kilometres)
+        figures = measured(Path(name), options.kilometres, options.speed)
     for word, value in figures.items():
         print(f"{word}: {value}")
     if options.json:
         print(json.dumps({"long_run": figures}))
 
 
-def measured(folder: Path, kilometres: float) -> dict[str, Any]:
+def measured(folder: Path, kilometres: float, speed: float) -> dict[str, Any]:
     """Run, put together, write."""
-    scenario = load(ROOT / "scenarios/manchester_r300.toml").with_values(values(kilometres))
+    scenario = load(ROOT / "scenarios/manchester_r300.toml").with_values(values(kilometres, speed))
     record = folder / "result.nc.part"
     there: dict[float, float] = {}
 

@@ -8,6 +8,7 @@ import re
 import sys
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -373,6 +374,41 @@ def test_a_large_file_keeps_labels_that_no_channel_has(tmp_path, monkeypatch):
     dataset = xr.Dataset(channels, coords=coords, attrs={"title": "three groups"})
     read = read_netcdf(write_netcdf(tmp_path / "a.nc", dataset), "result")
     xr.testing.assert_identical(read.load(), dataset)
+
+
+def anonymous_memory() -> float:
+    """Of this process [bytes]."""
+    lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
+    return 1024.0 * next(float(line.split()[1]) for line in lines if line.startswith("RssAnon"))
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read as Linux tells it")
+def test_an_open_result_holds_one_chunk_of_each_variable_and_no_other_file_is_touched(tmp_path, monkeypatch):
+    monkeypatch.setattr(netcdf, "LARGE", 500)
+    before, chunks = netCDF4.get_chunk_cache(), 8
+    values = np.arange(float(chunks * netcdf.CHUNK // 8))
+    dataset = xr.Dataset({f"a{i}": ("time", i + values) for i in range(40)})
+    room = anonymous_memory()
+    read = read_netcdf(write_netcdf(tmp_path / "a.nc", dataset), "result")
+    for name, variable in read.items():
+        assert variable.encoding["chunksizes"] == (netcdf.CHUNK // 8,)
+        assert np.array_equal(variable.values, dataset[name].values)
+    assert anonymous_memory() - room < 2.5 * 40 * netcdf.CHUNK < 40 * values.nbytes / 2
+    assert netCDF4.get_chunk_cache() == before
+
+
+def test_a_file_of_an_older_version_is_read_with_room_for_its_larger_chunks(tmp_path, monkeypatch):
+    monkeypatch.setattr(netcdf, "LARGE", 500)
+    monkeypatch.setattr(netcdf, "CHUNK", 10 * netcdf.CHUNK)
+    path = write_netcdf(tmp_path / "a.nc", xr.Dataset({"a": ("time", np.arange(4e5))}))
+    monkeypatch.undo()
+    monkeypatch.setattr(netcdf, "LARGE", 500)
+    opened, caches = xr.open_dataset, []
+    monkeypatch.setattr(
+        xr, "open_dataset", lambda *a, **k: caches.append(netCDF4.get_chunk_cache()[0]) or opened(*a, **k)
+    )
+    assert np.array_equal(read_netcdf(path, "result")["a"].values, np.arange(4e5))
+    assert caches == [netcdf.CHUNK, netCDF4.get_chunk_cache()[0]]
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 0.9999])

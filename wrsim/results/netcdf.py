@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import gc
+import math
 import os
 import shutil
 import sys
@@ -15,6 +16,7 @@ import tempfile
 import weakref
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -36,6 +38,8 @@ if TYPE_CHECKING:
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _CHECKED = b"wrsim CRC-32"  # bytes before the checksum of all that comes before
 _PIECE = 1 << 20  # bytes of a file that are read at once
+CHUNK = 1 << 18
+"""Bytes of a variable that are packed together. The library holds as many of every variable of an open file."""
 PACKED = 250
 """Largest ratio of a dataset to its file. Runs have 2, with four wheelsets at rest 150; files made to harm 1030."""
 
@@ -50,7 +54,7 @@ def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
         scratch = _scratch_file(path.parent, path.name)
         try:
             try:
-                with netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
+                with _one_chunk_each(), netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
                     _fill(file, dataset)
             except (RuntimeError, OSError) as problem:  # netCDF-C reports "HDF error" or no access, whatever it was
                 full = shutil.disk_usage(path.parent).free < LARGE
@@ -172,13 +176,46 @@ def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:
         kind, of_words = variable.dtype.kind, variable.dtype.kind not in "fiu"
         packed = not of_words and variable.size > 1000
         options: dict[str, Any] = {"fill_value": float("nan")} if kind == "f" and name not in dataset.dims else {}
-        options |= {"zlib": True, "complevel": 1, "shuffle": False} if packed else {}
+        if packed:
+            options |= {"zlib": True, "complevel": 1, "shuffle": False, "chunksizes": _chunk(variable)}
         target = file.createVariable(name, str if of_words else variable.dtype, variable.dims, **options)
         target.setncatts(variable.attrs)
         target.set_auto_maskandscale(False)
         made.append((target, variable, of_words))
     for target, variable, of_words in made:
         target[...] = variable.values.astype(object) if of_words else variable.values
+
+
+def _chunk(variable: xr.Variable) -> tuple[int, ...]:
+    """Shape of what is packed together: some places along the first dimension, with all along the others."""
+    rows = CHUNK * variable.shape[0] // (variable.size * variable.dtype.itemsize)
+    return (min(max(rows, 1), variable.shape[0]), *variable.shape[1:])
+
+
+@contextmanager
+def _one_chunk_each() -> Iterator[None]:
+    """While this lasts, files are opened that hold one chunk of every variable in memory, where the library holds up to
+    64 MB of each: a run has some hundred variables."""
+    import netCDF4
+
+    before = netCDF4.get_chunk_cache()
+    netCDF4.set_chunk_cache(CHUNK)
+    try:
+        yield
+    finally:
+        netCDF4.set_chunk_cache(*before)
+
+
+def _opened(path: Path) -> xr.Dataset:
+    """The dataset in a file, which stays there. Files of older versions have larger chunks: one of each has to fit."""
+    lazily: dict[str, Any] = {"engine": "netcdf4", "decode_times": False, "cache": False}
+    with _one_chunk_each():
+        opened = xr.open_dataset(path, **lazily)
+    sizes = [v.dtype.itemsize * math.prod(v.encoding.get("chunksizes") or ()) for v in opened.variables.values()]
+    if max(sizes, default=0) <= CHUNK:
+        return opened
+    opened.close()
+    return xr.open_dataset(path, **lazily)
 
 
 def _with_checksum(content: Iterable[bytes]) -> Iterator[bytes]:
@@ -209,7 +246,7 @@ def _dataset_in(path: Path, what: str) -> xr.Dataset | None:
     sys.unraisablehook = lambda unraisable: None  # the library complains when it lets go of a damaged file
     try:
         try:
-            opened = xr.open_dataset(path, engine="netcdf4", decode_times=False, cache=False)
+            opened = _opened(path)
             size = path.stat().st_size
             if opened.nbytes > max(LARGE, PACKED * size):
                 opened.close()
