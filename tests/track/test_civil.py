@@ -181,6 +181,26 @@ def test_a_damaged_file_is_read_or_refused(tmp_path: Path, kind: str) -> None:
             assert str(tmp_path) in str(error)
 
 
+def test_an_unsymmetrical_parabola_of_equal_halves_is_a_parabola(tmp_path: Path) -> None:
+    circle = 'CircCurve length="40.0" radius="5000.039999680003"'
+    heights = []
+    for i, curve in enumerate(('ParaCurve length="40"', 'UnsymParaCurve lengthIn="20" lengthOut="20"', "halves")):
+        halves = 'UnsymParaCurve lengthIn="10" lengthOut="30"'
+        text = TEXTS["landxml"].replace(circle, halves if curve == "halves" else curve)
+        text = text.replace("</CircCurve>", f"</{'ParaCurve' if i == 0 else 'UnsymParaCurve'}>")
+        law, _ = read_alignment(written(tmp_path, "landxml", text)).laws(1.5)
+        heights.append(Track.from_laws(law).centre_line.position(np.linspace(0.0, 300.0, 401))[:, 2])
+    np.testing.assert_allclose(heights[1], heights[0], rtol=0.0, atol=1e-9)
+    # below the intersection by L1 L2 J / (2 (L1 + L2)): 40 mm in the middle of equal halves, 30 mm in unequal ones
+    assert heights[2][200] - heights[0][200] == pytest.approx(0.010, abs=1e-5)
+
+
+@pytest.mark.parametrize("text", ["/*" * 60_000, "'" * 60_001, "#1=A(" * 30_000, "#1=A('" * 30_000])
+def test_text_that_never_ends_is_refused_in_one_pass(tmp_path: Path, text: str) -> None:
+    with pytest.raises(InputError):
+        read_alignment(written(tmp_path, "ifc", TEXTS["ifc"].replace("DATA;", "DATA;" + text)))
+
+
 @pytest.mark.parametrize("kind", TEXTS)
 def test_a_scenario_runs_on_a_civil_file_and_its_result_names_it(tmp_path: Path, kind: str) -> None:
     assert set(ENDINGS) >= {f".{kind}"}

@@ -117,7 +117,9 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
         step = 1e3 * float(attributes["step_s"])
         summary["integration"] = {"integrator": attributes["integrator"], "step_ms": step, **counts}
     summary |= {
-        name: attributes[name] for name in ("structure", "cant", "irregularities", "train") if name in attributes
+        name: attributes[name]
+        for name in ("alignment", "structure", "cant", "irregularities", "train")
+        if name in attributes
     }
     summary |= resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset) | _remarks(dataset)
     names = (name for name in attributes if name.endswith("_version") and name != "format_version")

@@ -89,7 +89,13 @@ def patches_table(dataset: xr.Dataset, title: str) -> Table:
 def numbers_of(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     """What people read first of a result of any analysis, and the remarks on its contacts."""
     tables: list[Table] = resolved(ANALYSES[str(dataset.attrs["analysis"])].numbers)(dataset, summary)
-    keys = {"structure": "rails", "cant": "cant", "irregularities": "irregularities", "train": "train"}
+    keys = {
+        "alignment": "track",
+        "structure": "rails",
+        "cant": "cant",
+        "irregularities": "irregularities",
+        "train": "train",
+    }
     about = [f"{word}: {summary[key]}" for key, word in keys.items() if key in summary]
     notes = (*about, *summary.get("profiles", ()), *first_lines(remarks(summary), "remarks"))
     return [*tables, Table("", notes=notes)] if notes else tables
