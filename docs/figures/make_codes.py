@@ -61,13 +61,6 @@ UNEVEN: dict[str, Any] = {
     "run.output_interval_ms": 1,
 }
 MOVING = {"track.structure": {"kind": "moving mass"}}
-LOW_RAIL = {
-    "track.grades": [
-        {"from_m": at, "grade_permille": rise, "vertical_radius_m": 2000}
-        for at, rise in ((40, 1), (90, 0), (180, -1), (230, 0))
-    ]
-}
-"""The centre line rises by half of the cant of 100 mm along the transitions of 50 m; corners are rounded over 1 m."""
 
 
 def steady_rows() -> Iterator[list[str]]:
@@ -106,7 +99,8 @@ def run_rows() -> Iterator[list[str]]:
         ("track", "rigid rails", UNEVEN),
         ("track", "mass on springs under each wheel", UNEVEN | MOVING),
         ("pivot", "cant about the centre line", {}),
-        ("pivot", "cant about the low rail", LOW_RAIL),
+        ("pivot", "cant about the low rail", {"track.pivot": "low rail"}),
+        ("pivot", "cant about the high rail", {"track.pivot": "high rail"}),
     )
     for topic, label, values in variants:
         result = run(base.with_values(values) if values else base)
