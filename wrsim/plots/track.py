@@ -37,7 +37,7 @@ def track_figure(track: Track) -> Figure:
     no panel of height, an even one none of irregularities."""
     draws: list[Callable[[Axes, Track], object]] = [partial(_law, of=law) for law in LAWS]
     draws += [] if track.lift is None else [rail_heights]
-    draws += [] if track.has_level_grade_line else [height]
+    draws += [] if track.centre_line.pitch_law.is_zero else [height]
     draws += [partial(irregularity, way=way) for way in ("vertical", "lateral")] if track.is_uneven else []
     figure = new_figure(full_width(), 84.0 + 27.0 * len(draws))
     grid = figure.add_gridspec(1 + len(draws), 1, height_ratios=(2.6, *(1.0 for _ in draws)))

@@ -119,7 +119,7 @@ def alignment_laws(
         for i, (e, lean) in enumerate(zip(plan, leans.tolist(), strict=True))
     ]
     ends = np.array([(each.start, each.end) for each in plan]).T
-    curvature = _Shifted(curvature_law(edges, ends[0], ends[1], [each.form for each in plan], shifts), 0.0)
+    curvature = curvature_law(edges, ends[0], ends[1], [each.form for each in plan], shifts)
 
     def slope(x: Array) -> Array:
         return height(x, 1) + mean(x, 1)
@@ -142,25 +142,10 @@ def alignment_laws(
         cant=over_length(cross(x)),
         widening=Piecewise.through(distances[[0, -1]], np.zeros(2)),
         pitch=over_length(np.arctan(slope(x))),
-        lift=over_length(mean(x)),
+        lift=None if mean.is_zero else over_length(mean(x)),
     )
     spans = np.diff(np.interp(edges, places, distances)).tolist()
     return law, tuple(_segment(each, span) for each, span in zip(plan, spans, strict=True))
-
-
-@dataclass(frozen=True)
-class _Shifted:
-    """A law whose first place is at a distance [m]."""
-
-    law: Piecewise
-    start: float
-
-    def __call__(self, x: Array, derivative: int = 0) -> Array:
-        return self.law(x - self.start, derivative)
-
-    @property
-    def breaks(self) -> Array:
-        return self.law.breaks + self.start
 
 
 def _segment(element: Horizontal, length: float) -> Segment:
@@ -191,7 +176,7 @@ def _edges(name: str, elements: Sequence[CantElement | Vertical], end: float) ->
     return np.append(starts, ends[-1])
 
 
-def _cant_laws(elements: Sequence[CantElement], end: float, rounding: float) -> tuple[_Shifted, _Shifted]:
+def _cant_laws(elements: Sequence[CantElement], end: float, rounding: float) -> tuple[Piecewise, Piecewise]:
     """Height of the right rail above the left one, and mean height of both, over the plan [m]."""
     edges = _edges("cant", elements, end)
     for i, each in enumerate(elements):
@@ -204,15 +189,14 @@ def _cant_laws(elements: Sequence[CantElement], end: float, rounding: float) -> 
         raise InputError(f"cant[{i + 1}]: {fault}; allowed: equal heights within {1e3 * JOINT:g} mm")
     start[1:] = after[:-1]
     forms = [each.form for each in elements]
-    laws = (ramp_law(edges - edges[0], start @ w, after @ w, forms).rounded(rounding) for w in _WEIGHTS)
-    cross, mean = (_Shifted(law, edges[0]) for law in laws)
+    cross, mean = (ramp_law(edges, start @ w, after @ w, forms).rounded(rounding) for w in _WEIGHTS)
     return cross, mean
 
 
 _WEIGHTS = np.array([[-1.0, 1.0], [0.5, 0.5]])  # of the left and the right rail in cant and mean height
 
 
-def _height_law(elements: Sequence[Vertical], end: float, rounding: float) -> _Shifted:
+def _height_law(elements: Sequence[Vertical], end: float, rounding: float) -> Piecewise:
     """Height of the grade line above its first point, over the plan [m]; kinks are rounded."""
     edges, rows, height = _edges("profile", elements, end), np.zeros((len(elements), NODES.size)), 0.0
     for i, each in enumerate(elements):
@@ -227,4 +211,4 @@ def _height_law(elements: Sequence[Vertical], end: float, rounding: float) -> _S
             rise = (first + sine) / (np.sqrt(1.0 - first**2) + np.sqrt(1.0 - sine**2))  # tangent of the mean angle
             rows[i] = interpolant(height + length * NODES * rise)
         height = float(rows[i].sum())
-    return _Shifted(Piecewise.of_rows(edges - edges[0], rows).rounded(rounding), edges[0])
+    return Piecewise.of_rows(edges, rows).rounded(rounding)

@@ -80,7 +80,7 @@ class Polynomials:
 
 @dataclass(frozen=True, eq=False)
 class Piecewise:
-    """A polynomial in each piece from s = 0 [m] on.
+    """A polynomial in each piece, of tracks from s = 0 [m] on.
 
     At a joint the piece behind it holds. Outside, value and derivatives of the nearer end are held.
     """
@@ -113,7 +113,7 @@ class Piecewise:
 
     @property
     def breaks(self) -> Array:
-        """Distances between which the function is smooth, from 0 to the end."""
+        """Distances between which the function is smooth, from the start to the end."""
         return np.asarray(self.pieces.x)
 
     @cached_property
@@ -129,15 +129,15 @@ class Piecewise:
         """Value (derivative = 0), slope (1) or second derivative (2) at s; shape of s."""
         if self.is_zero:
             return np.zeros(np.shape(s))
-        return np.asarray(self.pieces(np.clip(s, 0.0, self.end), derivative))
+        return np.asarray(self.pieces(np.clip(s, self.breaks[0], self.end), derivative))
 
     def jet(self, s: ArrayLike) -> Jet:
         """Value, slope and second derivative at s, each of its shape."""
         return self(s), self(s, 1), self(s, 2)
 
     def integral(self, s: ArrayLike) -> Array:
-        """Integral from 0 to s, exact; constant outside."""
-        return np.asarray(self._integral(np.clip(s, 0.0, self.end)))
+        """Integral from the first break to s, exact; constant outside."""
+        return np.asarray(self._integral(np.clip(s, self.breaks[0], self.end)))
 
     def joints(self, derivative: int = 0) -> tuple[Array, Array]:
         """Value or slope just before and just behind each inner joint, (m - 1,) each."""
@@ -181,7 +181,7 @@ class Piecewise:
         real = np.abs(behind - before) > 1e-14 * scale
         joint, jump = edges[1:-1][real], (behind - before)[real]
         width = np.minimum(half_width, np.minimum(length[:-1], length[1:]))[real]
-        parts = np.unique(np.clip(np.concatenate([edges, joint - width, joint + width]), 0.0, self.end))
+        parts = np.unique(np.clip(np.concatenate([edges, joint - width, joint + width]), edges[0], self.end))
         c, orders = self._taylor(parts, 4), range(4, -1, -1)
         # (1 - a)^3 (3 + a) from s - w to s and from s to s + w, in falling powers of the distance from there over w
         halves = np.array([[-1.0, -1.0], [4.0, 0.0], [0.0, 6.0], [0.0, -8.0], [0.0, 3.0]])

@@ -259,15 +259,6 @@ class Track:
         return lift - 0.5 * self.cant(s), lift + 0.5 * self.cant(s)
 
     @property
-    def has_level_grade_line(self) -> bool:
-        """True when the centre line climbs by the cant alone, or not at all."""
-        law = self.centre_line.pitch_law
-        if self.lift is None or law.is_zero:
-            return law.is_zero
-        s = np.linspace(0.0, self.length, 1001)
-        return bool(np.abs(np.sin(law(s)) - self.lift(s, 1)).max() < 1e-9)
-
-    @property
     def assumptions(self) -> str:
         """What is assumed of the cant in one line; empty without cant."""
         if self.left_curve.cant.is_zero:
