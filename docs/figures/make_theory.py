@@ -21,6 +21,7 @@ from wrsim.contact.half_space.strips import solve_into
 from wrsim.contact.model import ContactModel
 from wrsim.plots import new_figure, save, style
 from wrsim.plots.theme import INK, MM, QUIET, RAIL_FILL, SERIES_COLOURS, WHEEL_FILL, mm_axes, pressure_map
+from wrsim.track.forms import FORMS, LABEL
 from wrsim.vehicle.axle import Axle, Disc, whirl
 from wrsim.vehicle.flexible import BeamModes
 
@@ -105,6 +106,24 @@ def track(figure: Figure) -> None:
     other.plot(s, 1e3 * laid.cant(s), color=VERMILION, linestyle=(0, (4, 2)))
     other.set(ylim=(0, 220), ylabel="cant $c$ [mm], dashed")
     other.grid(False)
+
+
+def transitions(figure: Figure) -> None:
+    """Curvature of the seven forms; how far they lie from the clothoid."""
+    s = np.linspace(0, 100, 401)
+    a = chart(figure, 14, 78, "a  Curvature from a straight to 300 m", ("distance [m]", 0, 100), ("[1/km]", -0.3, 3.6))
+    b = chart(
+        figure, 112, 62, "b  Plan beside the clothoid", ("distance [m]", 0, 100), ("to the outside [m]", -0.05, 1.15)
+    )
+    for form, colour in zip(FORMS, (INK, *SERIES_COLOURS), strict=False):
+        ramp = Transition(100, form, centre_of_gravity_height=1.8 if form == "viennese" else None)
+        laid = Track.build([ramp, Arc(50, 300, cant=0.1)])
+        look = "--" if form == "cubic parabola" else "-"
+        a.plot(s, 1e3 * laid.curvature(s), look, color=colour, label=LABEL.get(form, form), linewidth=1.1)
+        if form == "clothoid":
+            base = laid.centre_line.position(s)
+        b.plot(s, (base - laid.centre_line.position(s))[:, 1], look, color=colour, linewidth=1.1)
+    a.legend(fontsize=6.5, loc="upper left")
 
 
 def surfaces(figure: Figure) -> None:
@@ -338,7 +357,10 @@ def sleepers(figure: Figure) -> None:
 
 def main() -> None:
     """Draw those that are named, or all."""
-    every = "track surfaces search half_space creep_forces friction multibody integration elastic out_of_round sleepers"
+    every = (
+        "track transitions surfaces search half_space creep_forces friction multibody integration elastic out_of_round "
+        "sleepers"
+    )
     for name in sys.argv[1:] or every.split():
         with style(), mpl.rc_context({"axes.prop_cycle": cycler(color=SERIES_COLOURS)}):
             figure = new_figure(190, 66, constrained=False)
