@@ -370,6 +370,7 @@ def time_table() -> str:
     return table(["one evaluation", "what", "median [us]", "95 % [us]"], body)
 
 
+STEP_QUANTITIES = {"lateral": "µm", "yaw": "µrad", "N": "N", "Q": "N", "Y": "N"}
 STEP_CASES = {
     "coach": "Manchester coach, R 300 m, 60 km/h",
     "coach-erri-low": "the same on ERRI low, 160 km/h",
@@ -387,14 +388,19 @@ def step_table() -> str:
             cells = {r["quantity"]: r for r in rows if (r["case"], r["method"], r["step_us"]) == (case, method, step)}
             label = {"default": " (default)", "rk44": " (RK44)"}.get(method, "")
             head = [words, f"{float(step) / 1e3:g}{label}", next(iter(cells.values()))["evaluations"]]
-            numbers = ("{rms_least} to {rms_most} / {max}".format(**cells[q]) for q in STEP_QUANTITIES)
-            body.append([*head, *numbers])
+            for q in STEP_QUANTITIES:
+                head.append(
+                    "{} to {} / {}".format(*(plain(cells[q][name]) for name in ("rms_least", "rms_most", "max")))
+                )
+            body.append(head)
             words = ""
-    heads = (f"{name} {unit}" for name, unit in STEP_QUANTITIES.items())
-    return table(["case", "step ms", "evaluations", *heads], body)
+    heads = (f"{name} [{unit}]" for name, unit in STEP_QUANTITIES.items())
+    return table(["case", "step [ms]", "evaluations", *heads], body)
 
 
-STEP_QUANTITIES = {"lateral": "µm", "yaw": "µrad", "N": "N", "Q": "N", "Y": "N"}
+def plain(number: str) -> str:
+    """Three digits without a power of ten."""
+    return f"{float(number):.3g}" if float(number) < 1e3 else f"{float(number):.0f}"
 
 
 def yardstick() -> str:
@@ -445,7 +451,8 @@ def values() -> dict[str, str]:
         for quantity in ("approach", "p0") if groove else ():
             found[f"grooves {model} {quantity}"] = f"{100.0 * max(abs(float(r[quantity]) - 1.0) for r in groove):.1f} %"
     for row in read("step_error"):
-        found["step {case} {method} {step_us} {quantity}".format(**row)] = f"{row['rms_most']} / {row['max']}"
+        name = "step {case} {method} {step_us} {quantity}".format(**row)
+        found[name] = f"{plain(row['rms_most'])} / {plain(row['max'])}"
     return found
 
 
