@@ -30,7 +30,7 @@ CASES: dict[str, tuple[str, dict[str, Any], int]] = {
     "coach": ("manchester_r300.toml", {"run.start_distance_m": 20.0, "run.distance_m": 60.0}, 250),
     "coach-erri-low": ("manchester_ride_160.toml", {"run.distance_m": 100.0}, 250),
     "freight": ("freight_r300_laden.toml", {"run.distance_m": 50.0}, 125),
-    "tram": ("tram_car_r25.toml", {"run.distance_m": 8.0}, 62),
+    "tram": ("tram_car_r25.toml", {"run.distance_m": 8.0}, 50),
     "gz18": ("", {"run.distance_m": 260.0}, 125),
 }
 """Scenario, keys and step [us] of the tight run of a case: at low speed RK44 is stable with short ones only."""

@@ -372,10 +372,10 @@ def time_table() -> str:
 
 STEP_QUANTITIES = {"lateral": "µm", "yaw": "µrad", "N": "N", "Q": "N", "Y": "N"}
 STEP_CASES = {
-    "coach": "Manchester coach, R 300 m, 60 km/h",
-    "coach-erri-low": "the same on ERRI low, 160 km/h",
-    "freight": "laden freight wagon, R 300 m, 60 km/h",
-    "tram": "tram car, R 25 m, 15 km/h",
+    "coach": "Manchester coach into R 300 m, 60 km/h",
+    "coach-erri-low": "Manchester coach on ERRI low, 160 km/h",
+    "freight": "laden freight wagon into R 300 m, 60 km/h",
+    "tram": "tram car into R 25 m, 15 km/h",
     "gz18": "GZ18, R 300 m, AAR5, 60 km/h, 16 s",
 }
 
