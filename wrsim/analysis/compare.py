@@ -175,24 +175,24 @@ def hertz_contacts(setup: Setup, dataset: xr.Dataset) -> xr.Dataset:
     (Johnson, Contact Mechanics, 1985, sections 3.2 and 3.3). Not-a-number without a curvature across, and for forces of
     other directions than the normal one.
     """
-    found = dataset.drop_vars([name for name in dataset.variables if str(name).startswith("strip_")]).copy(deep=True)
+    ellipses = dataset.drop_vars([name for name in dataset.variables if str(name).startswith("strip_")]).copy(deep=True)
     for name in ("X", "Y", "Q", "T_gamma"):
-        found[name] = np.nan * found[name]
+        ellipses[name] = np.nan * ellipses[name]
     for i in range(dataset.sizes["wheelset"]):
         wheelset = setup.vehicle.wheelsets[i].wheelset
         for j, side in enumerate(dataset["wheel"].values):
             wheel, rail = getattr(wheelset, side), setup.rails[SIDES.index(side)]
-            at = np.isfinite(dataset["N"].values[:, i, j])
-            N, u, v, angle = (dataset[n].values[:, i, j][at] for n in ("N", "u_wheel", "u_rail", "contact_angle"))
+            solved = np.isfinite(dataset["N"].values[:, i, j])
+            N, u, v, angle = (dataset[n].values[:, i, j][solved] for n in ("N", "u_wheel", "u_rail", "contact_angle"))
             arc, arc_rail = wheel.profile.arclength_of(u), rail.arclength_of(v)
             along = np.cos(angle) / (wheel.radius - wheel.profile.at(arc)[1])
             along += 0.0 if setup.roller is None else 1.0 / setup.roller
             across = wheel.profile.curvature(arc) - rail.curvature(arc_rail)
             for name, values in _ellipses(N, along, across, combined_modulus(setup.contact)).items():
-                found[name].values[:, i, j][at] = values
+                ellipses[name].values[:, i, j][solved] = values
             for name in ("contact_angle_min", "contact_angle_max"):
-                found[name].values[:, i, j] = dataset["contact_angle"].values[:, i, j]
-    return found
+                ellipses[name].values[:, i, j] = dataset["contact_angle"].values[:, i, j]
+    return ellipses
 
 
 def _ellipses(N: Array, along: Array, across: Array, modulus: float) -> dict[str, Array]:
