@@ -77,11 +77,12 @@ def patches_table(dataset: xr.Dataset, title: str) -> Table:
     places = np.argwhere(np.isfinite(one["N"].values))
     dims = [d for d, many in (("pose", True), ("wheel", one.sizes["wheel"] > 1), ("patch", places[:, 2].any())) if many]
     texts = [*(one[dim].values.tolist() for dim in ("pose", "wheel")), PATCHES]
+    heads = {name: word for name, word in OF_POSES.items() if name in one}
     rows: list[list[Cell]] = []
     for place in places[:MOST_PATCHES].tolist():
         names = [texts[k][i] for k, i in enumerate(place) if ("pose", "wheel", "patch")[k] in dims]
-        rows.append([*names, *(float(one[n].values[tuple(place)]) * CHANNELS[n].shown.factor for n in OF_POSES)])
-    columns = (*map(Column, dims), *(Column.of(CHANNELS[name], words) for name, words in OF_POSES.items()))
+        rows.append([*names, *(float(one[n].values[tuple(place)]) * CHANNELS[n].shown.factor for n in heads)])
+    columns = (*map(Column, dims), *(Column.of(CHANNELS[name], word) for name, word in heads.items()))
     more = (f"and {len(places) - MOST_PATCHES} more patches: see patches.csv",) if len(places) > MOST_PATCHES else ()
     return Table(title, columns, rows, more)
 

@@ -205,7 +205,7 @@ EXPORT int fmi3DoStep(struct instance *one, double point, double size, bool no_s
         if (status != NOT_FINITE && !(status & OFF_TRACK)) continue;
         m->mode = FAILED;
         return fail(one, status == NOT_FINITE ? "%sa force is not a number at t = %.6g s"
-                                              : "%sthe vehicle has left the track's neighbourhood at t = %.6g s",
+                                              : "%sderailed: the vehicle is no longer near its track at t = %.6g s",
                     "", time_of(m));
     }
     if (last) *last = time_of(m);
