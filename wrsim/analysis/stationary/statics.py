@@ -197,12 +197,12 @@ class SupportedVehicle(SteadyMotion):
                 terms = [(residual, all_on_all(free.size))]
                 crept, _ = relax(residual, x[free].copy(), self.small[free], terms, TOLERANCE, RELAXING, np.copy)
                 x[free], left, _ = damped_newton(residual, crept, self.small[free], TOLERANCE, 100)
-        largest = float(np.max(np.abs(left)))
-        if not largest <= TOLERANCE:
-            raise SimulationError(
-                f"{self._vehicle.name} does not come to rest under its loads: it overturns ({largest:.2g} of its "
-                "weight is left over)"
-            )
+        largest, lifted = float(np.max(np.abs(left))), np.all(supports == 0.0, axis=0)
+        if not largest <= TOLERANCE or lifted.any():
+            why = f"{largest:.2g} of its weight is left over"
+            if largest <= TOLERANCE:
+                why = f"no {'left' if lifted[0] else 'right'} wheel carries"
+            raise SimulationError(f"{self._vehicle.name} does not come to rest under its loads: it overturns ({why})")
         readings = self.law.records.copy()
         self._before = None
         self.slips = self.law.relaxed_rates(*self.state(x))[self.law.sliders]
