@@ -21,7 +21,7 @@ from wrsim.contact.strips.records import ROWS, System, V
 from wrsim.contact.strips.solution import MAX_FOLLOWED, solve
 from wrsim.jit import Record, Records, inlined, kernel
 
-MAX_EXCESS = 1 / 60  # of a strip's pressure over that of the surface: of narrower peaks strips see the corner alone
+MAX_EXCESS = 1 / 54  # of a strip's pressure over that of the surface: Hertz' on three strips, the least with a bend
 SAME_GRID = 0.5  # of the last contact within a grid's new bounds that makes it the same grid
 
 
