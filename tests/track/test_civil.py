@@ -17,8 +17,8 @@ from wrsim.errors import InputError
 from wrsim.scenario.build import build
 from wrsim.scenario.track_build import track_model
 from wrsim.track.cant import Pivot
-from wrsim.track.civil import ifc
-from wrsim.track.civil.files import ENDINGS, read_alignment
+from wrsim.track.civil import ENDINGS, ifc
+from wrsim.track.civil.files import read_alignment
 from wrsim.track.civil.ifc import ifc_text
 from wrsim.track.civil.landxml import landxml_text
 from wrsim.track.civil.line import RAILS, Cant, CivilLine, Plan, Profile, ramp_of

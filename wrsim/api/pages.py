@@ -299,7 +299,7 @@ def draw_track(
     from wrsim.results import write_atomically
     from wrsim.results.table import Table
     from wrsim.scenario.track_build import exported, track_model
-    from wrsim.track.civil.files import ENDINGS
+    from wrsim.track.civil import ENDINGS
 
     track, target = track_model(Path(file), models, alignment), Path(picture)
     notes = [] if track.alignment is None else [f"alignment: {track.alignment.described}"]

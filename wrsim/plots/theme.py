@@ -219,15 +219,15 @@ def wrapped(words: str, width: float, size: float = 7.5) -> str:
     return "\n".join(fill(line, letters) for line in tied).replace("\N{NO-BREAK SPACE}", " ")
 
 
-def caption(words: str) -> str:
+def caption(text: str) -> str:
     """A title, or words on how to read a picture; none where the user wants pictures without them."""
-    return words if LOOK.get().titled else ""
+    return text if LOOK.get().titled else ""
 
 
 def headline(figure: Figure, title: str, note: str = "") -> None:
     """Title of a picture at its upper left; beneath it, in red, a note about a stopped analysis. Of `head_height`."""
     across, down = figure.get_size_inches() / MM
-    title, note = (wrapped(words, 0.97 * across, size) for words, size in ((caption(title), 8.5), (note, 7.5)))
+    title, note = (wrapped(text, 0.97 * across, size) for text, size in ((caption(title), 8.5), (note, 7.5)))
     if title:
         figure.suptitle(title, x=0.012, y=1.0 - 2.0 / down, ha="left", va="top", fontsize=8.5)
     if note:

@@ -15,7 +15,7 @@ from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_toml, toml_text, write_toml
 from wrsim.inputs.us_units import metric_key
 from wrsim.inputs.values import Day, Source, text
-from wrsim.track.civil.files import ENDINGS
+from wrsim.track.civil import ENDINGS
 
 BASE = "base"
 MOST_BASES = 20

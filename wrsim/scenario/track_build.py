@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,8 +30,7 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.structure import MovingMassStructure
 from wrsim.scenario.sections.track import CheckRailSection, RollersSection, TrackSection
 from wrsim.track.cant import RAIL_HEAD_WIDTH, STANDARD_GAUGE
-from wrsim.track.civil.files import ENDINGS, alignment_of, civil_text, read_alignment
-from wrsim.track.civil.line import CivilLine
+from wrsim.track.civil import ENDINGS
 from wrsim.track.crossing import read_crossing
 from wrsim.track.irregularities import Disturbance
 from wrsim.track.segments import Grade, Laws, Segment, Straight, laws
@@ -39,6 +39,9 @@ from wrsim.track.table import IRREGULARITIES, TrackTable
 from wrsim.track.track import MAX_OFFSET, ROUNDING, RailElasticity, Track
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Wheelset
+
+if TYPE_CHECKING:
+    from wrsim.track.civil.line import CivilLine
 
 SAME_GAUGE = 0.01
 """Largest difference between the gauge of a civil file and that of the scenario [m]: 1432 and 1435 mm are both called
@@ -54,6 +57,8 @@ BEYOND = 100.0
 def track_model(path: Path, models: Sequence[str | Path] = (), alignment: str | None = None) -> Track:
     """The track of a scenario, of a track file or of a civil file, there of that alignment. Raises InputError."""
     if path.suffix.lower() in ENDINGS:
+        from wrsim.track.civil.files import read_alignment  # readers, for civil files alone
+
         line = read_alignment(path, alignment)
         gauge = line.gauge or (STANDARD_GAUGE if line.cant_base is None else line.cant_base - RAIL_HEAD_WIDTH)
         law, row = line.laws(base := line.cant_base or gauge + RAIL_HEAD_WIDTH)
@@ -71,6 +76,8 @@ def track_model(path: Path, models: Sequence[str | Path] = (), alignment: str | 
 
 def exported(track: Track, path: Path, date: str) -> tuple[str, list[str]]:
     """The text of an IFC or LandXML file of a track, and what it leaves out. Raises InputError."""
+    from wrsim.track.civil.files import alignment_of, civil_text
+
     if not track.segments:
         raise InputError(
             f"{path}: a measured track has no elements to export; allowed: tracks of segments, civil files"
@@ -174,6 +181,8 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
 
 def _laid_line(file: Path, section: TrackSection) -> tuple[CivilLine, float, Laws, tuple[Segment, ...]]:
     """An alignment, the base of its cant [m], its laws and segments."""
+    from wrsim.track.civil.files import read_alignment  # readers, for civil files alone
+
     line = read_alignment(file, section.alignment_name)
     base = section.cant_base if section.cant_base_mm is not None else line.cant_base or section.cant_base
     if line.gauge is not None and abs(line.gauge - section.gauge_mm / 1e3) > SAME_GAUGE:

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import accumulate, pairwise
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,7 +24,6 @@ from wrsim.errors import InputError
 from wrsim.inputs.notebook import card
 from wrsim.track.bridge import Bridge
 from wrsim.track.cant import PIVOTS, RAIL_HEAD_WIDTH, STANDARD_GAUGE, Pivot
-from wrsim.track.civil.line import CivilLine
 from wrsim.track.forms import LABEL, check_form
 from wrsim.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.track.path import Path
@@ -44,6 +43,9 @@ from wrsim.track.segments import (
     pitch_law,
 )  # fmt: skip
 from wrsim.track.sleepers import SleeperTrack
+
+if TYPE_CHECKING:
+    from wrsim.track.civil.line import CivilLine
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,6 @@ from wrsim.track.forms import CantForm, Form
 from wrsim.track.piecewise import Piecewise, merged
 from wrsim.track.segments import Segment, end_states
 
-ENDINGS = (".ifc", ".xml", ".landxml", ".railml")
-"""Endings of the names of civil files."""
-
 
 def read_alignment(path: Path, name: str | None = None) -> CivilLine:
     """An alignment of an IFC, LandXML or railML file; name: which one of several. Raises InputError."""

@@ -83,7 +83,7 @@ class Step:
         return name, self._arguments(body, place, name), place
 
     def _arguments(self, body: str, place: int, name: str) -> list[Any]:
-        """Texts and words, numbers, references as int, None where there is no value, and lists of these."""
+        """Texts and keywords, numbers, references as int, None where there is no value, and lists of these."""
         rows: list[list[Any]] = [[]]
         end = 0
         while match := _TOKEN.match(body, end):
