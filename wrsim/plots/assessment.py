@@ -54,7 +54,7 @@ def limits_figure(assessment: Assessment) -> Figure:
             values = [v for v in assessment.of(worst.quantity.key) if v.section.zone == zone]
             used = np.array([1.0 - v.margin for v in values if v.margin is not None])
             most = float(np.nanmax(used))
-            fill, words = (BEYOND, STOP_COLOUR) if most > 1.0 else (WITHIN, QUIET)
+            fill, letters = (BEYOND, STOP_COLOUR) if most > 1.0 else (WITHIN, QUIET)
             axes.barh(i, min(most, MOST), height=0.62, color=fill, alpha=0.35, linewidth=0.0, zorder=2.0)
             axes.plot(np.clip(used, 0.0, MOST), np.full(used.size, i), ".", color=fill, markersize=3.0, zorder=3.0)
             label = (
@@ -62,14 +62,14 @@ def limits_figure(assessment: Assessment) -> Figure:
                 f"{quantity(limit.value * unit.factor, unit.unit, '.3g')}"
             )
             label += f", {worst.where}"
-            note(axes, label, (clear, i), (4.0, 0.0), va="center", fontsize=6.3, color=words)
+            note(axes, label, (clear, i), (4.0, 0.0), va="center", fontsize=6.3, color=letters)
         axes.set_yticks(range(len(rows)), [f"{worst.quantity.symbol}   {worst.section.zone}" for worst, _ in rows])
         axes.axvline(1.0, color=INK, linewidth=0.9, zorder=2.5)
         axes.set(xlim=(0.0, 1.75 * clear), ylim=(len(rows) - 0.4, -0.6), xlabel="Utilisation")
         axes.grid(axis="y", visible=False)
 
-    words = "Utilisation of the limits. Bar: worst; points: every section, wheelset and wheel"
-    return panels(f"{assessment.title}\n{words}", [draw], 26.0 + 4.6 * len(rows))
+    explanation = "Utilisation of the limits. Bar: worst; points: every section, wheelset and wheel"
+    return panels(f"{assessment.title}\n{explanation}", [draw], 26.0 + 4.6 * len(rows))
 
 
 HISTORIES = {
@@ -124,8 +124,8 @@ def track_diagram(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> F
         for s in sections:
             share = (min(s.end, place[-1]) - max(s.start, place[0])) / np.ptp(place)
             short = s.label.partition(", ")[2].rpartition(" m ")[0] or s.label
-            words = next((w for w in (s.label, short, str(s.number)) if 0.009 * len(w) < share), "")
-            note_above(axes, words, 0.5 * (max(s.start, place[0]) + min(s.end, place[-1])), lift=8.0)
+            label = next((w for w in (s.label, short, str(s.number)) if 0.009 * len(w) < share), "")
+            note_above(axes, label, 0.5 * (max(s.start, place[0]) + min(s.end, place[-1])), lift=8.0)
         track_layout(axes, first)
         mark_snapshots(axes, first)
         mark_stop(axes, first)
@@ -144,8 +144,8 @@ def _draw_limits(axes: Axes, values: Sequence[Value], factor: float, *, both: bo
     if least > 6.0 * reach:
         corner: Any = {"xycoords": "axes fraction", "ha": "right", "va": "bottom", "color": STOP_COLOUR}
         shown = values[0].quantity.shown
-        words = f"limit {'±' if both else ''}{formatted(least / shown.factor * converted(shown).factor, '.3g')}"
-        note(axes, words, (1.0, 1.0), (0.0, 1.5), **corner)
+        label = f"limit {'±' if both else ''}{formatted(least / shown.factor * converted(shown).factor, '.3g')}"
+        note(axes, label, (1.0, 1.0), (0.0, 1.5), **corner)
         return
     for section, limit, nadal in limits:
         for y in (limit, -limit) if both else (limit,):
@@ -175,9 +175,9 @@ def estimated(assessment: Assessment) -> list[ZoneValue]:
 def estimates_figure(assessment: Assessment) -> Figure:
     """Largest value of every section over the first influence, moved to where the value is estimated in the others."""
     draws = [partial(_fit, row=row) for row in estimated(assessment)]
-    words = "points: sections; line: fit; bar: from the fit to the estimated value; red: limit"
+    explanation = "points: sections; line: fit; bar: from the fit to the estimated value; red: limit"
     height = 16.0 + 52.0 * ceil(len(draws) / COLUMNS)
-    return panels(f"{assessment.title}\n{words}", draws, height, columns=COLUMNS, share=False)
+    return panels(f"{assessment.title}\n{explanation}", draws, height, columns=COLUMNS, share=False)
 
 
 def _fit(axes: Axes, row: ZoneValue) -> None:

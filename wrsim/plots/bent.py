@@ -61,9 +61,9 @@ def _axles(axes: Axes, dataset: xr.Dataset) -> None:
     _magnified(axes, "middle lines against rigid axles; full: up, broken: forward")
 
 
-def _magnified(axes: Axes, words: str) -> None:
+def _magnified(axes: Axes, explanation: str) -> None:
     """Note how many times larger than lengths along the axis of m those along the axis of mm are drawn."""
     box = axes.get_window_extent()
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     factor = 1e3 * box.height / (high - low) / (box.width / abs(right - left))
-    remark(axes, f"magnified {quantity(float(f'{factor:.1g}'), form='.0f')} times; {words}")
+    remark(axes, f"magnified {quantity(float(f'{factor:.1g}'), form='.0f')} times; {explanation}")

@@ -29,11 +29,11 @@ def climb_figure(dataset: xr.Dataset) -> Figure:
             points = np.flatnonzero(quotient == value)
             points = points[np.argsort(attack[points])]
             done, held = points[climbed[points]], points[~climbed[points]]
-            words = f"Y/Q = {value:.3g}"
+            series = f"Y/Q = {value:.3g}"
             if done.size:
-                axes.plot(attack[done], way[done], "o-", color=colour, markersize=3, label=words)
+                axes.plot(attack[done], way[done], "o-", color=colour, markersize=3, label=series)
             if held.size:
-                label = None if done.size else f"{words}: held"
+                label = None if done.size else f"{series}: held"
                 axes.plot(attack[held], way[held], "^", color=colour, fillstyle="none", markersize=4, label=label)
         order = np.argsort(attack)
         if np.isfinite(formula).any():

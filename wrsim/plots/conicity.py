@@ -19,7 +19,7 @@ from wrsim.results.wheelsets import of_wheelset, wheelsets
 LINES = 6  # as many pairs of profiles are drawn as lines over the gauge
 JUMP = 1.5
 """Millimetres between two shifts beyond which a contact point has jumped elsewhere: the line is interrupted."""
-ROLL_WORDS = {
+ROLL_LABELS = {
     "none": "wheelset without roll (EN 15302)",
     "rail-top": "wheelset rolled, shift at the rail tops",
     "centre": "wheelset rolled, shift of its centre",
@@ -36,7 +36,7 @@ def _figure(dataset: xr.Dataset) -> Figure:
     gauge, apart = (quantity(1e3 * float(about[name]), "mm", ".6g") for name in ("gauge_m", "profile_spacing_m"))
     wheels = [formatted(2e3 * float(about[f"radius_{side}_m"]), ".6g") for side in ("left", "right")]
     setting = f"gauge {gauge}, profile origins {apart} apart, wheels {' / '.join(dict.fromkeys(wheels))} mm, "
-    setting += ROLL_WORDS.get(str(about["roll"]), "")
+    setting += ROLL_LABELS.get(str(about["roll"]), "")
     draws = [partial(draw, dataset=dataset) for draw in (radius_difference, conicity_curve, contact_points, angles)]
     return panels(f"{about['title']}\n{setting}", draws, 132.0, columns=2, share=False)
 
@@ -65,8 +65,8 @@ def conicity_curve(axes: Axes, dataset: xr.Dataset) -> None:
     axes.plot(amplitude, values, color=INK)
     for i in np.flatnonzero((np.abs(amplitude - 3.0) < 1e-6) & np.isfinite(values)):
         axes.plot([amplitude[i]], [values[i]], "o", color=INK, markersize=3.5)
-        words = formatted(float(values[i]), ".3f")
-        note(axes, words, (amplitude[i], values[i]), (0.0, 6.0), fontsize=7.0, ha="center", color=INK)
+        label = formatted(float(values[i]), ".3f")
+        note(axes, label, (amplitude[i], values[i]), (0.0, 6.0), fontsize=7.0, ha="center", color=INK)
     axes.set_ylim(0.0, 1.12 * max(float(np.nanmax(values, initial=0.0)), 1e-3))
     axes.set(xlabel=CHANNELS["amplitude"].label, ylabel=r"Equivalent conicity $\tan\gamma_e$")
 
@@ -109,7 +109,7 @@ def conicity_map_figure(conicity: ConicityMap, title: str) -> Figure:
         w if len(rails) == 1 and len(wheels) > 1 else r if len(wheels) == 1 and len(rails) > 1 else f"{w} on {r}"
         for w, r in conicity.pairs
     ]
-    gauges, words = 1e3 * np.array(conicity.gauges), r"equivalent conicity $\tan\gamma_e$ at 3 mm"
+    gauges, at_3mm = 1e3 * np.array(conicity.gauges), r"equivalent conicity $\tan\gamma_e$ at 3 mm"
 
     def lines(axes: Axes, values: np.ndarray, ylabel: str, bottom: float | None) -> None:
         for label, row in zip(labels, values, strict=True):
@@ -124,10 +124,10 @@ def conicity_map_figure(conicity: ConicityMap, title: str) -> Figure:
         axes.set_yticks(range(len(labels)), labels)
         axes.grid(visible=False)
         axes.set_xlabel("gauge [mm]")
-        axes.figure.colorbar(drawn, ax=axes, label=words)
+        axes.figure.colorbar(drawn, ax=axes, label=at_3mm)
 
     if len(labels) > LINES:
         return panels(title, [rows], 45.0 + 6.0 * len(labels))
-    both = ((conicity.conicity, words, 0.0), (conicity.nonlinearity, "nonlinearity parameter [1/mm]", None))
+    both = ((conicity.conicity, at_3mm, 0.0), (conicity.nonlinearity, "nonlinearity parameter [1/mm]", None))
     draws = [partial(lines, values=values, ylabel=label, bottom=bottom) for values, label, bottom in both]
     return panels(title, draws, 120.0, legend=None if len(labels) > 1 else ())

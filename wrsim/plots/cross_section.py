@@ -143,7 +143,7 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
             rows.append(gallery.GalleryRow(gallery.PATCH_NAMES[patch], colour, page.panel, 15.0, cells))
     reading = (
         "Axes: outward o (field side to the right) and up b from the rail's profile origin.\n"
-        "Thin lines: pressure along the normals." + gallery.selection_words(dataset, chosen)
+        "Thin lines: pressure along the normals." + gallery.selection_note(dataset, chosen)
     )
     title = dataset.attrs.get("title", "")
     return gallery.draw_gallery(title, stop_note(dataset), dataset, page, [(columns, rows)], scale, reading)

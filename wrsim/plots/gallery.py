@@ -97,7 +97,7 @@ def patches_in(dataset: xr.Dataset, columns: Sequence[GalleryColumn]) -> dict[tu
     return rows
 
 
-def selection_words(dataset: xr.Dataset, chosen: Sequence[int]) -> str:
+def selection_note(dataset: xr.Dataset, chosen: Sequence[int]) -> str:
     """How many of the moments that have patches are drawn, where it is not all of them; on a line of its own."""
     there = int(with_patches(dataset).sum())
     what = "moments" if moment_dim(dataset) == "snapshot" else "poses"
@@ -125,15 +125,15 @@ def draw_gallery(
     foot = FOOT + (max(0.0, 3.0 * reading.count("\n") - 6.0) if beside else 3.0 * reading.count("\n") + 4.0)
     figure = theme.new_figure(page.width, top + heights + len(blocks) * above + foot, constrained=False)
     theme.headline(figure, title, note)
-    for (columns, rows), words in zip(blocks, titles, strict=True):
-        for j, (column, text) in enumerate(zip(columns, words, strict=True)):
+    for (columns, rows), row_titles in zip(blocks, titles, strict=True):
+        for j, (column, text) in enumerate(zip(columns, row_titles, strict=True)):
             colour = theme.WHEEL_COLOUR.get(column.wheel, theme.INK)
-            theme.write_words(figure, page.place_of(j), top + 0.8, text, fontsize=6.8, color=colour)
+            theme.write_text(figure, page.place_of(j), top + 0.8, text, fontsize=6.8, color=colour)
         top += above
         for row in rows:
             look: Any = {"rotation": 90, "va": "center", "fontsize": 7.0} if page.upright else {"fontsize": 6.0}
             left, down = (2.0, 0.5) if page.upright else (1.5, 0.3)
-            theme.write_words(figure, left, top + down * row.height, row.label, color=row.colour, **look)
+            theme.write_text(figure, left, top + down * row.height, row.label, color=row.colour, **look)
             for j, draw in row.cells.items():
                 draw(theme.mm_axes(figure, page.place_of(j), top, page.panel, row.height))
             top += row.height + row.beneath
@@ -142,7 +142,7 @@ def draw_gallery(
     bar.set_label("Contact pressure p [MPa]", labelpad=1.0)
     bar.ax.tick_params(width=0.4)
     at = (76.0, top + 1.0) if beside else (6.0, top + FOOT - 2.0)
-    theme.write_words(figure, *at, reading, fontsize=6.8, color=theme.QUIET)
+    theme.write_text(figure, *at, reading, fontsize=6.8, color=theme.QUIET)
     return figure
 
 

@@ -98,9 +98,9 @@ def _derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> None:
     if largest * SEEN >= most:
         axes.plot(x, limit, color=theme.STOP_COLOUR, linewidth=0.8, gid="limit")
         axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * most))
-    words = f"limit {most:g} after {clause.low_pass_Hz:g} Hz\nand {clause.window_m:g} m ({rule.source})"
+    label = f"limit {most:g} after {clause.low_pass_Hz:g} Hz\nand {clause.window_m:g} m ({rule.source})"
     look: Any = {"xycoords": "axes fraction", "rotation": 90, "ha": "left", "va": "center", "color": theme.STOP_COLOUR}
-    marks.note(axes, words, (1.0, 0.5), (2.5, 0.0), **look)
+    marks.note(axes, label, (1.0, 0.5), (2.5, 0.0), **look)
 
 
 def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
@@ -290,10 +290,10 @@ def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     figures: dict[str, Callable[[], Figure]] = {}
     if not is_history(dataset):
         return figures
-    for picture, (dim, words) in VEHICLE_PICTURES.items():
+    for picture, (dim, channels) in VEHICLE_PICTURES.items():
         if not (len(wheelsets(dataset)) > 1 if dim == "wheelset" else dim in dataset.dims):
             continue
-        names = [name for name in words.split() if name in dataset]
+        names = [name for name in channels.split() if name in dataset]
         if names and "wheel" in dataset[names[0]].dims:
             figures[picture] = partial(wheelsets_figure, dataset, names[0])
         elif names and dim == "coupling" and dataset.sizes[dim] > MOST_COUPLINGS:

@@ -26,7 +26,7 @@ from wrsim.plots.theme import (
     new_figure,
     style,
     wrapped,
-    write_words,
+    write_text,
 )  # fmt: skip
 from wrsim.results import CHANNELS
 from wrsim.results.table import finite, quantity
@@ -47,10 +47,10 @@ def note_above(axes: Axes, text: str, x: float, lift: float = 1.5) -> None:
     note(axes, text, (x, 1.0), (0.0, lift), xycoords=("data", "axes fraction"), ha="center", va="bottom")
 
 
-def remark(axes: Axes, words: str) -> None:
+def remark(axes: Axes, text: str) -> None:
     """How to read the axes, small above them, in as many lines as it needs there."""
     across = axes.get_window_extent().width / axes.figure.dpi / MM
-    axes.set_title(wrapped(caption(words), across, 6.5), fontsize=6.5, color=QUIET, pad=2.0)
+    axes.set_title(wrapped(caption(text), across, 6.5), fontsize=6.5, color=QUIET, pad=2.0)
 
 
 @style()
@@ -83,7 +83,7 @@ def panels(
     if title or note:  # lines of the title that are empty make room for the note
         room = "\n" * (note.count("\n") + (1 if title else 0)) + (" " if note else "")
         figure.suptitle(title + room, x=0.012, ha="left", fontsize=8.5)
-    write_words(figure, 2.0, 5.5 + LINE * title.count("\n") if title else 2.0, note, color=STOP_COLOUR)
+    write_text(figure, 2.0, 5.5 + LINE * title.count("\n") if title else 2.0, note, color=STOP_COLOUR)
     if entries := drawn[0].get_legend_handles_labels()[0] if legend is None else legend:
         legend_beneath(figure, entries, across)
     figure.align_ylabels(drawn)
@@ -125,21 +125,21 @@ def legend_beneath(
     narrowing = getattr(figure, "narrowing", 1.0)
     for ncols in range(columns, 0, -1):
         legend = figure.legend(handles=list(entries), loc=loc, ncols=ncols, **options)
-        for text in (words := legend.get_texts()):
+        for text in (texts := legend.get_texts()):
             text.set_fontsize(narrowing * float(text.get_fontsize()))
         over = legend.get_window_extent().width - figure.bbox.width
         if over > 0.0 and ncols > 1:
             legend.remove()
             continue
-        room = (max(text.get_window_extent().width for text in words) - over) / figure.dpi / MM
-        for text in words if over > 0.0 else ():
+        room = (max(text.get_window_extent().width for text in texts) - over) / figure.dpi / MM
+        for text in texts if over > 0.0 else ():
             text.set_text(wrapped(text.get_text(), room, float(text.get_fontsize()) / narrowing))
         return
 
 
-def minus(words: str) -> str:
+def minus(text: str) -> str:
     """Words of a number with a minus sign for a hyphen."""
-    return words.replace("-", "\N{MINUS SIGN}")
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def few_ticks(axes: Axes, most: int, size: float, pad: float = 1.5) -> None:

@@ -97,13 +97,13 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
         wheelset = dataset["distance"].values[sample_of(dataset, moment)]
         label = str(dataset["snapshot_label"].values[moment]) if "snapshot_label" in dataset else ""
         places = {"vehicle ": place, "wheelset ": wheelset} if abs(wheelset - place) >= SEPARATE_LABELS else {"": place}
-        words = ", ".join(f"{who}{quantity(float(where), 'm', '.1f')}" for who, where in places.items())
-        lines = [f"({snapshot_letter(moment)}) {words}", "" if label.startswith("at ") else label]  # it is the place
+        stations = ", ".join(f"{who}{quantity(float(where), 'm', '.1f')}" for who, where in places.items())
+        lines = [f"({snapshot_letter(moment)}) {stations}", "" if label.startswith("at ") else label]  # it is the place
     else:
         forms = {"lateral_shift": (r"$\Delta y$ = ", ".3g"), "yaw": (r"$\psi$ = ", ".3g"), "load": ("", ".4g")}
         varied = [n for n in forms if n in dataset and (n == "lateral_shift" or np.ptp(dataset[n].values) > 0.0)]
         values = ((*forms[n], float(shown(dataset, n)[moment]), CHANNELS[n].shown.symbol) for n in varied)
-        parts = [minus(words + quantity(value, unit, form)) for words, form, value, unit in values]
+        parts = [minus(symbol + quantity(value, unit, form)) for symbol, form, value, unit in values]
         lines = [f"({snapshot_letter(order)}) {', '.join(parts[:1])}", ", ".join(parts[1:])]
     return "\n".join(filter(None, lines))
 
@@ -132,8 +132,8 @@ def pose_groups(dataset: xr.Dataset) -> list[tuple[str, NDArray[np.intp]]]:
     for key in np.unique(keys, axis=0):
         member = np.flatnonzero((keys == key).all(axis=1))
         pairs = [(CHANNELS[n], value) for n, value in zip(others, key.tolist(), strict=True)]
-        words = (f"${c.symbol}$ = " * bool(c.symbol) + quantity(value, c.shown.symbol) for c, value in pairs)
-        groups.append((minus(", ".join(words)), member[np.argsort(x[member], kind="stable")]))
+        values = (f"${c.symbol}$ = " * bool(c.symbol) + quantity(value, c.shown.symbol) for c, value in pairs)
+        groups.append((minus(", ".join(values)), member[np.argsort(x[member], kind="stable")]))
     return groups
 
 

@@ -72,8 +72,8 @@ def _shown(dataset: xr.Dataset, name: str) -> NDArray[np.float64]:
 
 
 def _label(dataset: xr.Dataset, name: str) -> str:
-    words = dataset[name].attrs.get("long_name")
-    return str(words) if words else axis_label(dataset, name)
+    series = dataset[name].attrs.get("long_name")
+    return str(series) if series else axis_label(dataset, name)
 
 
 def _margin(values: NDArray[np.float64], line: NDArray[np.float64]) -> tuple[float, float]:
@@ -86,6 +86,6 @@ def _margin(values: NDArray[np.float64], line: NDArray[np.float64]) -> tuple[flo
 def _legend(line: str) -> list[Line2D]:
     dots = {"keeps all constraints": SERIES_COLOURS[0], "exceeds one, or has no result": STOP_COLOUR}
     return [
-        *(Line2D([], [], color=colour, label=words, **DOT) for words, colour in dots.items()),
+        *(Line2D([], [], color=colour, label=label, **DOT) for label, colour in dots.items()),
         Line2D([], [], color=INK, linewidth=0.8, label=line),
     ]

@@ -41,10 +41,10 @@ def unloading_over_speed(dataset: xr.Dataset) -> Figure:
 def over_wind(dataset: xr.Dataset) -> Figure:
     """Limits of the speed over the wind."""
     limits = summarise_overturning(dataset)["limits"]
-    words = {"unloaded_kmh": f"unloading {UNLOADING:g}", "lifts_kmh": "a wheel lifts", "overturns_kmh": "overturns"}
+    labels = {"unloaded_kmh": f"unloading {UNLOADING:g}", "lifts_kmh": "a wheel lifts", "overturns_kmh": "overturns"}
 
     def draw(axes: Axes) -> None:
-        for (key, label), colour in zip(words.items(), cycle(SERIES_COLOURS)):
+        for (key, label), colour in zip(labels.items(), cycle(SERIES_COLOURS)):
             points: list[Any] = [(limit["wind_m_s"], limit[key]) for limit in limits if limit[key] is not None]
             if points:
                 axes.plot(*zip(*points, strict=True), "o-", color=colour, markersize=3, label=label)

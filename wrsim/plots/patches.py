@@ -85,12 +85,12 @@ def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> st
     sample = "time" if "time" in dataset.dims else "pose"
     at = {sample: sample_of(dataset, where.moment), "patch": where.patch, "wheel": wheel}
 
-    def words(name: str, symbol: str, form: str, unit: str) -> str:
+    def term(name: str, symbol: str, form: str, unit: str) -> str:
         value = float(dataset.variables[name].isel(at)) * CHANNELS[name].shown.factor if name in dataset else np.nan
         return f"{symbol} = {formatted(value, form)}{unit}" if np.isfinite(value) else ""
 
-    pressure = (words("p0", "p₀", ".0f", " MPa"), words("N", "N", ".1f", " kN") if force else "")
-    angles = (words("contact_angle", "γ", ".1f", "°"), words("contact_angle_variation", "Δγ", ".1f", "°"))
+    pressure = (term("p0", "p₀", ".0f", " MPa"), term("N", "N", ".1f", " kN") if force else "")
+    angles = (term("contact_angle", "γ", ".1f", "°"), term("contact_angle_variation", "Δγ", ".1f", "°"))
     return minus("\n".join(filter(None, (", ".join(filter(None, line)) for line in (pressure, angles)))))
 
 
@@ -133,7 +133,7 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     rows = [(part, [row(*key, r) for key, r in patches.items()]) for part, patches in blocks]
     reading = (
         "Across: curved axis s, field side to the right. Up: rolling direction x.\n"
-        "One scale everywhere; every panel is cut out around its patch." + gallery.selection_words(dataset, chosen)
+        "One scale everywhere; every panel is cut out around its patch." + gallery.selection_note(dataset, chosen)
     )
     return gallery.draw_gallery(dataset.attrs.get("title", ""), stop_note(dataset), dataset, page, rows, scale, reading)
 

@@ -42,7 +42,7 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     figure = theme.new_figure(theme.full_width(), top + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
     theme.headline(figure, f"{profile.name} ({profile.kind})")
     source = shorten(profile.source, int(130 * theme.full_width() / 170.0), placeholder=" ...")
-    theme.write_words(figure, 0.012 * theme.full_width(), 6.5, theme.caption(source), fontsize=6.5, color=theme.QUIET)
+    theme.write_text(figure, 0.012 * theme.full_width(), 6.5, theme.caption(source), fontsize=6.5, color=theme.QUIET)
     panels = [theme.mm_axes(figure, LEFT, top, width, height)]
     for row in range(rows):
         panels[-1].tick_params(axis="x", labelbottom=False)
@@ -84,8 +84,8 @@ def profiles_figure(profiles: Sequence[Profile], table: Table, unworn: Profile |
     figure = theme.new_figure(theme.full_width(), top + height + BOTTOM + beneath, constrained=False)
     many = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.95, rows))
     colours = many if rows > len(theme.SERIES_COLOURS) else theme.SERIES_COLOURS[:rows]
-    words = f"{rows} {profiles[0].kind} profiles" + (f", dashed: {unworn.name}" if unworn is not None else "")
-    theme.headline(figure, words)
+    title = f"{rows} {profiles[0].kind} profiles" + (f", dashed: {unworn.name}" if unworn is not None else "")
+    theme.headline(figure, title)
     shape = theme.mm_axes(figure, LEFT, top - 4.0, width, height)
     for profile, colour in zip(profiles, colours, strict=True):
         shape.plot(1e3 * profile.u, 1e3 * profile.w, color=colour, linewidth=0.8)
@@ -160,8 +160,8 @@ def _gauge(profile: Profile, axes: Axes) -> None:
     for x, y in (([u, u], [w, top_w]), ([u, top_u], [top_w, top_w])):
         axes.plot(x, y, color=LINE, linewidth=0.6, linestyle=(0, (4, 2)))
     depth, inside = quantity(1e3 * profile.gauge_depth, "mm", "g"), quantity(top_u - u, "mm", ".3f")
-    words = f"gauge point, {depth} below\nand {inside} inside of the top"
-    note(axes, words, (u, w), (6.0, 0.0), va="center", color=LINE)
+    label = f"gauge point, {depth} below\nand {inside} inside of the top"
+    note(axes, label, (u, w), (6.0, 0.0), va="center", color=LINE)
 
 
 def draw_slope(profile: Profile, axes: Axes) -> None:

@@ -73,8 +73,8 @@ def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> None:
         if rank < NAMED:
             at = int(np.argmin(damping[i, j]))
             frequency = quantity(float(dataset["mode_frequency"].values[i[at], j[at]]), "Hz", ".2f")
-            words = f"{dataset['mode_name'].values[i[at], j[at]]}, {frequency}"
-            label = f"{words} at {quantity(float(speed[i[at]]), 'km/h', '.0f')}"
+            mode = f"{dataset['mode_name'].values[i[at], j[at]]}, {frequency}"
+            label = f"{mode} at {quantity(float(speed[i[at]]), 'km/h', '.0f')}"
             line = {"color": SERIES_COLOURS[rank], "zorder": 3.0, "label": label}
         axes.plot(speed[i], values[i, j], marker="o" if len(i) == 1 else None, markersize=2.0, **line)
     if name == "mode_damping":
@@ -107,12 +107,12 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> None:
     if lost.size:
         axes.plot(speed[lost], np.zeros(lost.size), "x", color=INK, markersize=5.0, label="derailed")
     top = axes.get_ylim()[1]
-    for words in ("linear", "nonlinear"):
-        value = summarise_stability(dataset)[f"{words}_critical_speed_kmh"]
+    for kind in ("linear", "nonlinear"):
+        value = summarise_stability(dataset)[f"{kind}_critical_speed_kmh"]
         if value is not None and speed.min() - 50.0 <= value <= speed.max() + 50.0:
             axes.axvline(value, color=QUIET, linewidth=0.8, linestyle=(0, (3, 2)))
-            words += f" {formatted(value, '.1f')}"
-            note(axes, words, (value, 0.4 * top), (-2.0, 0.0), rotation=90, ha="right", va="center")
+            label = f"{kind} {formatted(value, '.1f')}"
+            note(axes, label, (value, 0.4 * top), (-2.0, 0.0), rotation=90, ha="right", va="center")
     axes.set_ylim(bottom=-0.03 * top, top=top)
     axes.set(xlabel=CHANNELS["cycle_speed"].label, ylabel="Amplitude of the wheelset that moves most [mm]")
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=6.5)
@@ -120,12 +120,12 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _title(dataset: xr.Dataset) -> str:
     facts = summarise_stability(dataset)
-    words = [str(dataset.attrs["title"])]
+    lines = [str(dataset.attrs["title"])]
     if (linear := facts["linear_critical_speed_kmh"]) is not None:
         frequency = quantity(facts["critical_frequency_Hz"], "Hz", ".2f")
-        words.append(f"linear critical speed {quantity(linear, 'km/h', '.1f')}, {frequency}, {facts['critical_mode']}")
+        lines.append(f"linear critical speed {quantity(linear, 'km/h', '.1f')}, {frequency}, {facts['critical_mode']}")
     elif "critical_note" in facts:
-        words.append(facts["critical_note"])
+        lines.append(facts["critical_note"])
     if (nonlinear := facts["nonlinear_critical_speed_kmh"]) is not None:
-        words[-1] += f"; nonlinear {quantity(nonlinear, 'km/h', '.1f')}"
-    return "\n".join(words)
+        lines[-1] += f"; nonlinear {quantity(nonlinear, 'km/h', '.1f')}"
+    return "\n".join(lines)

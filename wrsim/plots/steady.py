@@ -44,8 +44,8 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
     entries = [Line2D([], [], color=c, marker="o", label=name) for name, c in zip(names, cycle(SERIES_COLOURS))]
     factor, unit = (3.6, "km/h") if by_curvature else (1.0, "m")
     for (cant, other), line in zip(kinds.tolist() if len(kinds) > 1 else (), cycle(LINES)):
-        words = f"{quantity(1e3 * cant, 'mm')}, {quantity(factor * other, unit, '.5g')}"
-        entries.append(Line2D([], [], color=QUIET, linewidth=0.9, linestyle=line, label=words))
+        entry = f"{quantity(1e3 * cant, 'mm')}, {quantity(factor * other, unit, '.5g')}"
+        entries.append(Line2D([], [], color=QUIET, linewidth=0.9, linestyle=line, label=entry))
 
     members = [np.flatnonzero(which.ravel() == k) for k in range(len(kinds))]
     lines = [(points[np.argsort(x[points])], line) for points, line in zip(members, cycle(LINES))]

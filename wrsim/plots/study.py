@@ -164,16 +164,16 @@ def samples_figure(dataset: xr.Dataset, outputs: Sequence[str], keys: Sequence[s
 
 def sensitivity_figure(dataset: xr.Dataset, table: Mapping[str, Any]) -> Figure:
     """Indices of every output as bars with their intervals, the key that decides most on top."""
-    words = METHODS[table["method"]]
+    kinds = METHODS[table["method"]]
     outputs = by_output(table)
     shown = list(outputs)[:MOST_OUTPUTS]
 
     def draw(axes: Axes, name: str) -> None:
         keys = outputs[name]
-        for j, kind in enumerate(words):
+        for j, kind in enumerate(kinds):
             rows = [indices[kind] for _, indices in keys]
             value, low, high = (np.array([row[end] for row in rows], dtype=float) for end in ("value", "low", "high"))
-            at = np.arange(len(rows)) + (j - 0.5 * (len(words) - 1)) * 0.36
+            at = np.arange(len(rows)) + (j - 0.5 * (len(kinds) - 1)) * 0.36
             axes.barh(at, value, height=0.34, color=SERIES_COLOURS[j], alpha=0.55, linewidth=0.0)
             axes.hlines(at, low, high, color=INK, linewidth=0.8)
         labels = ["\n".join(wrap(key.partition(".")[2], LETTERS + 10)) for key, _ in keys]  # without the table
@@ -182,7 +182,7 @@ def sensitivity_figure(dataset: xr.Dataset, table: Mapping[str, Any]) -> Figure:
         axes.axvline(0.0, color=QUIET, linewidth=0.6)
         axes.grid(axis="y", visible=False)
 
-    legend = [Patch(color=SERIES_COLOURS[j], alpha=0.55, label=kind) for j, kind in enumerate(words.values())]
+    legend = [Patch(color=SERIES_COLOURS[j], alpha=0.55, label=kind) for j, kind in enumerate(kinds.values())]
     most = max(len(outputs[name]) for name in shown)
     draws, height = [partial(draw, name=name) for name in shown], 30.0 + (14.0 + 7.0 * most) * ceil(len(shown) / 2)
     columns = min(2, len(shown))
@@ -212,9 +212,9 @@ def label_of(dataset: xr.Dataset, name: str) -> str:
     unit = str(dataset[name].attrs.get("units", "1"))
     ending = name.rpartition("_")
     repeated = {shown.suffix for shown in SHOWN.values() if shown.symbol == unit and shown.suffix}
-    words = ending[0] if ending[2] in repeated else name
-    words = words.replace("wheelsets_", "").replace("wheels_", "").replace("_", " ")
-    return "\n".join(wrap(with_unit(words, unit), LETTERS))
+    label = ending[0] if ending[2] in repeated else name
+    label = label.replace("wheelsets_", "").replace("wheels_", "").replace("_", " ")
+    return "\n".join(wrap(with_unit(label, unit), LETTERS))
 
 
 def axis_label(dataset: xr.Dataset, name: str) -> str:
@@ -223,8 +223,8 @@ def axis_label(dataset: xr.Dataset, name: str) -> str:
     number = f" {last}" if last.isdecimal() else ""  # one of several
     last = stem.rpartition(".")[2] if number else last
     unit = next((u for u in sorted(UNITS, key=len, reverse=True) if last.endswith(f"_{u}")), "")
-    words = last.removesuffix(f"_{unit}") if unit else last
-    return with_unit(words.replace("_", " ") + number, UNITS[unit] if unit else "")
+    label = last.removesuffix(f"_{unit}") if unit else last
+    return with_unit(label.replace("_", " ") + number, UNITS[unit] if unit else "")
 
 
 def _completed(dataset: xr.Dataset, name: str) -> xr.DataArray:
@@ -253,6 +253,6 @@ def _note(dataset: xr.Dataset, outputs: Sequence[str], drawn: Sequence[str]) -> 
     more = f"{len(drawn)} of {len(outputs)} outputs" if len(outputs) > len(drawn) else ""
     status, counts = np.unique(dataset["status"].values.astype(str), return_counts=True)
     lost = ", ".join(f"{n} {s}" for s, n in zip(status, counts, strict=True) if s != COMPLETED)
-    words = (f"{lost} (red)" if lost else "", f"{lacking} completed lack a value" if lacking else "")
-    cases = ", ".join(filter(None, words))
+    remarks = (f"{lost} (red)" if lost else "", f"{lacking} completed lack a value" if lacking else "")
+    cases = ", ".join(filter(None, remarks))
     return "; ".join(filter(None, (f"of {dataset['status'].size} cases {cases}" if cases else "", more)))

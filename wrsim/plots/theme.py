@@ -203,19 +203,19 @@ def mm_axes(figure: Figure, left: float, top: float, width: float, height: float
     return figure.add_axes((left / across, 1.0 - (top + height) / down, width / across, height / down))
 
 
-def write_words(figure: Figure, left: float, top: float, words: str, **options: Any) -> None:
+def write_text(figure: Figure, left: float, top: float, text: str, **options: Any) -> None:
     """Words whose upper left corner is at a place in mm, ``top`` measured down from the upper edge of the figure."""
     across, down = figure.get_size_inches() / MM
-    figure.text(left / across, 1.0 - top / down, words, **({"va": "top", "ha": "left"} | options))
+    figure.text(left / across, 1.0 - top / down, text, **({"va": "top", "ha": "left"} | options))
 
 
 LINE, TITLE = 3.6, 5.0  # height of a line of a title or a note, and of the room of a title of one line, mm
 
 
-def wrapped(words: str, width: float, size: float = 7.5) -> str:
+def wrapped(text: str, width: float, size: float = 7.5) -> str:
     """Words in as many lines as they need in a width of mm, in letters of that size in points; none on its own."""
     letters = max(int(width / (0.195 * size)), 10)
-    tied = ("\N{NO-BREAK SPACE}".join(line.rsplit(" ", 1)) for line in words.split("\n"))
+    tied = ("\N{NO-BREAK SPACE}".join(line.rsplit(" ", 1)) for line in text.split("\n"))
     return "\n".join(fill(line, letters) for line in tied).replace("\N{NO-BREAK SPACE}", " ")
 
 
@@ -232,7 +232,7 @@ def headline(figure: Figure, title: str, note: str = "") -> None:
         figure.suptitle(title, x=0.012, y=1.0 - 2.0 / down, ha="left", va="top", fontsize=8.5)
     if note:
         top = 6.5 + LINE * title.count("\n") if title else 6.5 - TITLE
-        write_words(figure, 0.012 * across, top, note, color=STOP_COLOUR)
+        write_text(figure, 0.012 * across, top, note, color=STOP_COLOUR)
 
 
 def head_height(title: str, note: str, across: float) -> float:

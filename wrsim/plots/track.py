@@ -79,8 +79,8 @@ def plan_view(axes: Axes, track: Track) -> None:
     ticks = marks[(marks >= 0.0) & (marks <= shown.factor * track.length)] / shown.factor
     for s, (x, y, _), turn in zip(ticks, track.centre_line.position(ticks), track.heading(ticks), strict=True):
         across = np.array((-np.sin(turn), np.cos(turn)))
-        words = f"{s:g} {shown.symbol}" if s == 0.0 else f"{s * shown.factor:.6g}"
-        note(axes, words, (x, y), tuple(9.0 * across), ha="center", va="center")
+        label = f"{s:g} {shown.symbol}" if s == 0.0 else f"{s * shown.factor:.6g}"
+        note(axes, label, (x, y), tuple(9.0 * across), ha="center", va="center")
         note(axes, "", (x, y), tuple(4.5 * across), arrowprops=_TICK, zorder=2.0)
 
     axes.set_aspect("equal", adjustable="datalim")

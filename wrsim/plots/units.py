@@ -51,20 +51,20 @@ def show_in_units(figure: Figure) -> None:
     figure._in_units = True  # type: ignore[attr-defined]
     ticks = {id(t) for axes in figure.axes for a in (axes.xaxis, axes.yaxis) for t in a.get_ticklabels(which="both")}
     labels = {id(label) for axes in figure.axes for label in (axes.xaxis.label, axes.yaxis.label)}
-    words = {
-        direction: [(axes, _words(axes, direction)) for axes in figure.axes if _words(axes, direction)]
+    axis_texts = {
+        direction: [(axes, _text_of(axes, direction)) for axes in figure.axes if _text_of(axes, direction)]
         for direction in DIRECTIONS
     }
     for axes in figure.axes:
         for direction in DIRECTIONS:
-            beside = (text for other, text in words[direction] if _aligned(axes, other, direction))
-            _convert(getattr(axes, f"{direction}axis"), _words(axes, direction) or next(beside, ""))
+            beside = (text for other, text in axis_texts[direction] if _aligned(axes, other, direction))
+            _convert(getattr(axes, f"{direction}axis"), _text_of(axes, direction) or next(beside, ""))
     for text in figure.findobj(Text):
         if id(text) not in ticks | labels and isinstance(text, Text):
             text.set_text(heading_in(in_text(text.get_text()))[0])
 
 
-def _words(axes: Axes, direction: str) -> str:
+def _text_of(axes: Axes, direction: str) -> str:
     """The label of an axis, or of one across without a label the title of its panel where that has a unit."""
     titles = [title for place in ("left", "center", "right") if "[" in (title := axes.get_title(place))]
     label: str = getattr(axes, f"{direction}axis").get_label_text()
@@ -78,8 +78,8 @@ def _aligned(axes: Axes, other: Axes, direction: str) -> bool:
     return bool(getattr(two, low) < 0.5 * (getattr(one, low) + getattr(one, high)) < getattr(two, high))
 
 
-def _convert(axis: Axis, words: str) -> None:
-    label, unit = heading_in(words)
+def _convert(axis: Axis, label: str) -> None:
+    label, unit = heading_in(label)
     locator = axis.get_major_locator()
     if text := axis.get_label_text():
         axis.set_label_text(in_text(text))

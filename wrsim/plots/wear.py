@@ -38,8 +38,8 @@ def wear_figure(dataset: xr.Dataset) -> Figure:
         for law, line in zip(laws, GROUP_LINE, strict=False):
             one = dataset.sel(wheelset=name, wear_law=law)
             _over_profile(axes, one, f"wear_{body}_depth", body, linestyle=line)
-        words = "Depth worn off the wheel" if body == "wheel" else "Depth worn off the rail\nby one passage"
-        label = with_unit(words, CHANNELS[f"wear_{body}_depth"].shown.symbol)
+        heading = "Depth worn off the wheel" if body == "wheel" else "Depth worn off the rail\nby one passage"
+        label = with_unit(heading, CHANNELS[f"wear_{body}_depth"].shown.symbol)
         axes.set(ylabel=label, xlabel=CHANNELS[f"wear_{body}_u"].label)
         axes.set_ylim(bottom=0.0)
 
@@ -178,7 +178,7 @@ def mileage_figure(dataset: xr.Dataset) -> Figure:
         draw(axes)
 
     amplitude = quantity(1e3 * float(dataset.attrs["conicity_amplitude_m"]), "mm", "g")
-    words = ("Flange against the new one [mm]", f"Equivalent conicity, {amplitude}", "Largest depth [mm]")
-    labels = zip((flange, conicity, deepest, mass), (*words, "Mass lost [g/km]"), strict=True)
+    headings = ("Flange against the new one [mm]", f"Equivalent conicity, {amplitude}", "Largest depth [mm]")
+    labels = zip((flange, conicity, deepest, mass), (*headings, "Mass lost [g/km]"), strict=True)
     draws = [partial(panel, draw=draw, label=label) for draw, label in labels]
     return panels(dataset.attrs["title"], draws, 115.0, columns=2)
