@@ -126,4 +126,4 @@ def test_a_damper_that_blows_off_has_the_harmonic_of_its_force() -> None:
     rest = v * 4e5 / np.hypot(4e5, stroke.rate * behind)
     assert rest < 0.5 * v
     assert behind == pytest.approx(damper_coefficient(rising, Stroke(rest / stroke.rate, 1.0)), rel=1e-6)
-    assert "6.283 mm/s" in SMALL_STROKE.words
+    assert "6.283 mm/s" in SMALL_STROKE.label

@@ -39,7 +39,7 @@ from wrsim.scenario.sections.run import RunPlan
 class Measure(NamedTuple):
     """What a difference is divided by, factor and unit in which it is given."""
 
-    words: str
+    label: str
     factor: float
     unit: str
     symbol: str
@@ -309,7 +309,7 @@ def comparison_report(comparison: Comparison, scenario: str) -> dict[str, Any]:
             "run_s": model.run_time,
             "differences": differences,
         }
-    kinds = {quantity: kind.words for quantity, kind in DIFFERENCES.items() if kind != PLAIN}
+    kinds = {quantity: kind.label for quantity, kind in DIFFERENCES.items() if kind != PLAIN}
     return {"scenario": scenario, "reference": comparison.reference, "relative_to": kinds, "models": models}
 
 

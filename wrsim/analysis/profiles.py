@@ -37,7 +37,7 @@ class Partner:
     radius: float
     load: float
 
-    def words(self) -> str:
+    def label(self) -> str:
         """The pair, for notes."""
         where = "on" if self.profile.kind == "rail" else "under"
         sizes = (
@@ -109,7 +109,7 @@ def _table(kind: Kind, readings: Mapping[str, Reading], unworn: Profile | None, 
         rows = [[*row, *pair] for row, pair in zip(rows, values, strict=True)]
         columns.append(Column("tan γe, 3 mm", "", ".3f", "equivalent_conicity_3_mm"))
         columns.append(Column("p0", "MPa", ".0f", "p0_MPa"))
-        notes += [partner.words(), *reasons]
+        notes += [partner.label(), *reasons]
     return Table("", tuple(columns), rows, tuple(notes))
 
 

@@ -108,7 +108,7 @@ def run_scenario(
         "removed": [str(f) for f in written.removed],
         "summary": {**result.summary(), **written.took},
     }
-    lines = [written.words] if written.words else []
+    lines = [written.message] if written.message else []
     return Outcome(result.numbers(), numbers, written.files, written, code, directory, lines)
 
 

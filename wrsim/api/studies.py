@@ -204,7 +204,7 @@ def run_wear(
     with computation.locked(reads, OUTPUTS), computation.pool(most=len(evolution.shares)) as work:
         for step in wear_steps(evolution, computation.directory, work):
             steps.append(step)
-            computation.notify(step.words(evolution.mileage))
+            computation.notify(step.label(evolution.mileage))
         dataset, files = write_history(evolution, steps, computation.directory, pictures)
     numbers = evolution_report(dataset) | {"directory": str(computation.directory)}
     return Outcome([mileage_table(dataset)], numbers, files, dataset, folder=computation.directory)

@@ -165,8 +165,8 @@ class _Run:
         climbs = [c for c in rules.clauses if c.quantity in ("Y_over_Q_nadal", "climb_distance")]
         if any(self.climbing.nadal(c.friction) is None for c in climbs):
             self.notes.append(f"Nadal: the result does not hold the {self.climbing.missing()}; [assessment] sets it")
-        if (words := self.climbing.out_of_range()) and rules.about("climb_share"):
-            self.notes.append(words)
+        if (message := self.climbing.out_of_range()) and rules.about("climb_share"):
+            self.notes.append(message)
         unstable = rules.about("instability")
         if unstable and not any(axle.hunting and axle.hunting.rms.size for axle in self.axles):
             self.notes.append(f"instability: the run is shorter than the window of {unstable.window_m:g} m")

@@ -29,7 +29,7 @@ class Quantity:
 
     key: str
     symbol: str
-    words: str
+    meaning: str
     group: str
     shown: Shown
     of: str
@@ -56,9 +56,9 @@ QUANTITIES: dict[str, Quantity] = {
     for row in table("wrsim.assessment", "data/quantities.csv")
 }
 """By their keys, in the order of the tables."""
-QUANTITY_NAMES = Names({key: (own.symbol, *own.words.split(",")) for key, own in QUANTITIES.items()})
+QUANTITY_NAMES = Names({key: (quantity.symbol, *quantity.meaning.split(",")) for key, quantity in QUANTITIES.items()})
 """With other terms for them."""
-RUN_QUANTITIES = tuple(key for key, own in QUANTITIES.items() if own.of != "rest")
+RUN_QUANTITIES = tuple(key for key, quantity in QUANTITIES.items() if quantity.of != "rest")
 """What may be judged of runs."""
 
 
@@ -72,7 +72,7 @@ class Limit:
     mark: str
 
     @property
-    def words(self) -> str:
+    def reference(self) -> str:
         """Source and mark."""
         return f"{self.source} [{self.mark}]"
 
@@ -85,7 +85,7 @@ class Limit:
 @dataclass(frozen=True)
 class LimitContext:
     """What limits depend on, SI units: kind of vehicle; static load of a wheelset [N]; class of track, radius [m] and
-    speed [m/s]; mass of a bogie [kg]; Nadal's limit of Y/Q with its words, where it is known."""
+    speed [m/s]; mass of a bogie [kg]; Nadal's limit of Y/Q with its derivation, where it is known."""
 
     kind: Kind = "passenger"
     axle_load: float = 0.0
@@ -141,9 +141,9 @@ class LimitLaw(Choice, header="limit"):
         valued = self.value_at(about, shown)
         if valued is None:
             return None
-        value, words = valued
+        value, derivation = valued
         ahead = self.source if self.from_radius_m is None else f"{self.source}, R >= {self.from_radius_m:g} m"
-        return Limit(value, ": ".join(filter(None, (ahead, self.words or "", words))), self.mark)
+        return Limit(value, ": ".join(filter(None, (ahead, self.words or "", derivation))), self.mark)
 
     def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str] | None:
         """The value in SI units and what there is to say about it. shown: the unit of constants."""
@@ -178,8 +178,8 @@ class Prudhomme(LimitLaw, kind="prudhomme"):
 
     def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
         k1, part = _of_kind(self.k1, about.kind), f"{self.part:g} " * (self.part != 1.0)
-        words = f"{part}k1 ({self.constant_kN:g} kN + 2Q0/{self.divisor:g}), k1 = {k1:g} (Prud'homme)"
-        return self.part * (k1 * (1e3 * self.constant_kN + about.axle_load / self.divisor)), words
+        derivation = f"{part}k1 ({self.constant_kN:g} kN + 2Q0/{self.divisor:g}), k1 = {k1:g} (Prud'homme)"
+        return self.part * (k1 * (1e3 * self.constant_kN + about.axle_load / self.divisor)), derivation
 
 
 class AxleShare(LimitLaw, kind="axle-share"):
@@ -191,8 +191,8 @@ class AxleShare(LimitLaw, kind="axle-share"):
     """The force a."""
 
     def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
-        words = f"{self.share:g} + {self.constant_kN:g} kN/2Q0"
-        return self.share + 1e3 * self.constant_kN / about.axle_load, words
+        derivation = f"{self.share:g} + {self.constant_kN:g} kN/2Q0"
+        return self.share + 1e3 * self.constant_kN / about.axle_load, derivation
 
 
 class WheelForce(LimitLaw, kind="wheel-force"):
@@ -210,8 +210,8 @@ class WheelForce(LimitLaw, kind="wheel-force"):
     def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
         kmh = 3.6 * about.speed - 1e-6
         most = next((1e3 * force for speed, force in self.most if kmh <= speed), 1e3 * self.beyond_kN)
-        words = f"{self.constant_kN:g} kN + Q0, at most {most / 1e3:g} kN at this speed"
-        return min(1e3 * self.constant_kN + 0.5 * about.axle_load, most), words
+        derivation = f"{self.constant_kN:g} kN + Q0, at most {most / 1e3:g} kN at this speed"
+        return min(1e3 * self.constant_kN + 0.5 * about.axle_load, most), derivation
 
 
 class BySpeed(LimitLaw, kind="speed"):
@@ -244,8 +244,8 @@ class ByRadius(LimitLaw, kind="radius"):
     def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
         if about.radius >= self.to_radius_m:
             return 1e3 * self.beyond_kN, ""
-        words = f"{self.constant_kN:g} kN + {self.slope_kNm:g} kN m/Rm, Rm = {about.radius:.0f} m"
-        return 1e3 * self.constant_kN + 1e3 * self.slope_kNm / about.radius, words
+        derivation = f"{self.constant_kN:g} kN + {self.slope_kNm:g} kN m/Rm, Rm = {about.radius:.0f} m"
+        return 1e3 * self.constant_kN + 1e3 * self.slope_kNm / about.radius, derivation
 
 
 class Nadal(LimitLaw, kind="nadal"):
@@ -268,8 +268,8 @@ class BogieMass(LimitLaw, kind="bogie-mass"):
     """Part of it that is allowed."""
 
     def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
-        words = f"{self.part:g} ({self.constant:g} - m/{self.divisor:g}), bogie of {about.bogie_mass / 1e3:.3g} t"
-        return self.part * (self.constant - about.bogie_mass / (1e3 * self.divisor)), words
+        derivation = f"{self.part:g} ({self.constant:g} - m/{self.divisor:g}), bogie of {about.bogie_mass / 1e3:.3g} t"
+        return self.part * (self.constant - about.bogie_mass / (1e3 * self.divisor)), derivation
 
 
 AnyLimit = Annotated[

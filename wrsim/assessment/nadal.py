@@ -76,12 +76,12 @@ class Climbing:
         self.flange_length = settings.flange_length
 
     def nadal(self, friction: float | None) -> tuple[float, str] | None:
-        """Nadal's limit with its words; None where something is unknown. friction: that of a clause, if it has one."""
+        """Nadal's limit and its derivation; None where something is unknown. friction: of a clause, if it has one."""
         friction = self.friction if friction is None else friction
         if friction is None or self.flange_angle is None:
             return None
-        words = f"flange {np.degrees(self.flange_angle):.1f}°, friction {friction:g}"
-        return nadal_limit(self.flange_angle, friction), words
+        derivation = f"flange {np.degrees(self.flange_angle):.1f}°, friction {friction:g}"
+        return nadal_limit(self.flange_angle, friction), derivation
 
     def distance(self, attack: Array) -> Array | None:
         """`distance_to_climb` for angles of attack (n,) [rad]; None where it is unknown."""

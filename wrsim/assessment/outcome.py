@@ -250,7 +250,7 @@ class Assessment:
 def assessment_dict(assessment: Assessment) -> dict[str, Any]:
     """Numbers of ``assessment.json``."""
     quantities = [
-        {"key": q.key, "symbol": q.symbol, "name": q.words, "group": q.group, "unit": q.shown.symbol}
+        {"key": q.key, "symbol": q.symbol, "name": q.meaning, "group": q.group, "unit": q.shown.symbol}
         | {"evaluation": q.evaluation, "source": q.source}
         for q in dict.fromkeys(v.quantity for v in assessment.values)
     ]
@@ -299,7 +299,7 @@ def _value(v: Value) -> dict[str, Any]:
         "quantity": v.quantity.key, "section": v.section.number, "wheelset": v.wheelset, "wheel": v.wheel,
         "point": v.point, "value": finite(v.value, factor),
         "limit": None if v.limit is None else finite(v.limit.value, factor),
-        "limit_source": "" if v.limit is None else v.limit.words,
+        "limit_source": "" if v.limit is None else v.limit.reference,
         "margin": finite(v.margin), "passed": v.passed,
     }  # fmt: skip
 
@@ -336,8 +336,8 @@ def assessment_numbers(assessment: Assessment) -> list[Table]:
         ]
         rows.append([*head, row.zone, *numbers, letter, cells["where"]])
         last = judged.key
-    words = ("quantity", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "where")
-    tables.append(Table("", tuple(map(Column, words)), rows))
+    headings = ("quantity", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "where")
+    tables.append(Table("", tuple(map(Column, headings)), rows))
     tables += [*_regressions_table(assessment), *_track_table(assessment)]
     notes = [*(f"{letter}  {source}" for source, letter in letters.items()), *(f"note: {n}" for n in assessment.notes)]
     confirm = (TO_CONFIRM,) if any(z.worst.limit is not None and z.worst.limit.star for z in assessment.zones) else ()

@@ -116,10 +116,10 @@ class ClauseSection(Section, header="[[clauses]]"):
 
     @cached_property
     def judged(self) -> Quantity:
-        """The quantity with this evaluation in words."""
+        """The quantity with this evaluation."""
         known = QUANTITIES[self.quantity]
-        words = known.evaluation.replace("{}", ", ".join(self._evaluation()))
-        return replace(known, evaluation=words, source=self.evaluation_source or "")
+        evaluation = known.evaluation.replace("{}", ", ".join(self._evaluation()))
+        return replace(known, evaluation=evaluation, source=self.evaluation_source or "")
 
     def _evaluation(self) -> Iterator[str]:
         if self.low_pass_Hz is not None:
@@ -136,8 +136,8 @@ class ClauseSection(Section, header="[[clauses]]"):
         if self.percentile is not None and len(self.percentile) == 2:
             yield f"percentiles {self.percentile[0]:g} and {self.percentile[1]:g} %, the larger magnitude"
         elif self.percentile is not None:
-            words = {100.0: "largest", 0.0: "least"}
-            yield words.get(self.percentile[0], f"percentile {self.percentile[0]:g} %")
+            names = {100.0: "largest", 0.0: "least"}
+            yield names.get(self.percentile[0], f"percentile {self.percentile[0]:g} %")
 
 
 class ClassSection(Section, header="[[classes]]"):

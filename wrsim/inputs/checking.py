@@ -49,7 +49,7 @@ def refuse_other_kind(kind: Any, data: dict[str, Any], locate: Locate) -> None:
     strange = data.keys() - known
     meant = [key for each in _classes(kind) for key in each.model_fields]
     wholly = len(other) == len(data) and strange and not any(nearest(key, meant) for key in strange)
-    wanted = [file.words for file in FILES.values() if {*_classes(kind)} <= {*_classes_of(file)}]
+    wanted = [file.label for file in FILES.values() if {*_classes(kind)} <= {*_classes_of(file)}]
     if wanted and (wholly or (2 * len(known) <= len(data) and len(other) > len(known) + 1)):
         raise InputError(f"{locate(())}: is {FILES[name].described}; {wanted[0]} is needed here")
 

@@ -12,7 +12,7 @@ from wrsim.errors import InputError, nearest
 from wrsim.inputs.checking import first_faults
 from wrsim.inputs.section import MOST_FAULTS
 from wrsim.inputs.toml_files import read_text, shown_value
-from wrsim.inputs.values import number_limits, repeated, unpacked, words
+from wrsim.inputs.values import number_limits, repeated, requirement, unpacked
 
 MOST_ROWS = 2_000_000
 Row = tuple[int, list[str]]
@@ -125,7 +125,7 @@ def _row_by_row(path: Path, rows: list[Row], header: list[str], columns: Mapping
                 comma = "," in cell and _number(cell.replace(",", ".")) is not None
                 hint = f"; decimals need a point: {cell.replace(',', '.')}" if comma else ""
                 shown = shown_value(cell) if value is None else cell
-                faults.append(f"{path}:{number}: {name} = {shown}: must be {words(columns[name])}{hint}")
+                faults.append(f"{path}:{number}: {name} = {shown}: must be {requirement(columns[name])}{hint}")
             column.append(value)
     _refuse(path, faults)
     return list(table)

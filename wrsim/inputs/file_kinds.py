@@ -15,16 +15,16 @@ def packaged(room: str, name: str) -> dict[str, Any]:
 
 
 class FileKind(NamedTuple):
-    """What a file is in words, its class or the classes that it may be one of, the command that takes it, if any."""
+    """What a file is, its class or the classes that it may be one of, the command that takes it, if any."""
 
-    words: str
+    label: str
     place: str
     command: str = ""
 
     @property
     def described(self) -> str:
         """What it is, with the command: "a scenario (wrsim run)"."""
-        return f"{self.words} ({self.command})"
+        return f"{self.label} ({self.command})"
 
 
 _TABLES = packaged("wrsim.inputs", "file_kinds.toml")

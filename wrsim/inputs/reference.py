@@ -24,9 +24,9 @@ from wrsim.inputs.values import (
     is_union,
     number_limits,
     plain_number,
+    requirement,
     table_header,
     unpacked,
-    words,
 )
 
 
@@ -100,9 +100,8 @@ def entries(section: type[Section]) -> list[Entry]:
         if example and default in ("needed", "none", "") and accepts(annotation, given):
             example = shown_value(given)
         unit, meaning = UNITS.get(unit_of(key), ""), meanings(section).get(key, "")
-        keys.append(
-            Entry(section.header, key, meaning, unit, words(annotation), default, aliases, example, _us(section, key))
-        )
+        allowed = requirement(annotation)
+        keys.append(Entry(section.header, key, meaning, unit, allowed, default, aliases, example, _us(section, key)))
     return keys
 
 
@@ -231,7 +230,7 @@ def _cleaned(schema: dict[str, Any], section: type[Section] | None) -> dict[str,
             cleaned = _value_schema(property_schema, annotation)
             meaning = meanings(section).get(key, "")
             is_table = bool(table_header(annotation))
-            cleaned["description"] = meaning if is_table else f"{meaning} Must be {words(annotation)}.".strip()
+            cleaned["description"] = meaning if is_table else f"{meaning} Must be {requirement(annotation)}.".strip()
             if is_table:
                 cleaned.pop("default", None)  # it holds null, which TOML does not have
             schema["properties"][key] = cleaned

@@ -24,7 +24,7 @@ from wrsim.errors import nearest
 from wrsim.inputs.file_kinds import WORDS, packaged
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.us_units import converted, metric, metric_key
-from wrsim.inputs.values import choice, entry_of, fields, refusal, refuse, table_header, unpacked, words
+from wrsim.inputs.values import choice, entry_of, fields, refusal, refuse, requirement, table_header, unpacked
 
 STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 FAULT, ABSENT, UNKNOWN = "fault", "absent", "unknown"
@@ -127,13 +127,13 @@ class Section(BaseModel):
             if len(given) > 1:
                 yield Fault(given[-1], f"cannot be given with {given[0]}: give one of them")
             elif not given and row in cls.one_of:
-                needed = f"must be {words(fields(cls)[first])} (or give {' or '.join(others)})"
+                needed = f"must be {requirement(fields(cls)[first])} (or give {' or '.join(others)})"
                 yield Fault(first, needed, missing=True)
         for row in cls.together:
             given = [key for key in row.split() if key in raw]
             for key in row.split() if given else ():
                 if key not in raw:
-                    needed = f"goes with {given[0]}: must be {words(fields(cls)[key])}"
+                    needed = f"goes with {given[0]}: must be {requirement(fields(cls)[key])}"
                     yield Fault(key, needed, missing=True)
         for key, needs in cls.goes_with.items():
             if key in raw and not any(need in raw for need in needs.split()):
@@ -180,7 +180,7 @@ class Section(BaseModel):
         data, faults, guessed = cls._translate(raw)
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
-                faults.append(_detail(ABSENT, f"must be {words(fields(cls)[name])}", (name,), raw))
+                faults.append(_detail(ABSENT, f"must be {requirement(fields(cls)[name])}", (name,), raw))
         section: Self | None = None
         try:
             section = handler(data)

@@ -1,11 +1,11 @@
-"""What keys may hold: pydantic's own types with limits, and what they allow in words.
+"""What keys may hold: pydantic's own types with limits, and the text of what they allow.
 
 Limits and an example are beside the type::
 
     Friction = Annotated[float, number(0, 2, "dry steel 0.3 to 0.5")]
 
-``words`` makes "a number from 0 to 2 (dry steel 0.3 to 0.5)" of it. Other descriptions take the place of the words;
-``{each}`` in one is replaced by the words of an entry.
+``requirement`` makes "a number from 0 to 2 (dry steel 0.3 to 0.5)" of it. Other descriptions take its place;
+``{each}`` in one is replaced by the requirement of an entry.
 """
 
 import datetime
@@ -149,13 +149,13 @@ def table_header(annotation: Any) -> str:
     return getattr(base, "header", "")
 
 
-def words(annotation: Any) -> str:
-    """Words for what is allowed, to follow "must be"."""
+def requirement(annotation: Any) -> str:
+    """Text of what is allowed, to follow "must be"."""
     base, limits, description, _ = unpacked(annotation)
     if base in (int, float):
         return _number_words(base, limits, description)
     if description:
-        return description.replace("{each}", words(entry_of(annotation)) if entry_of(annotation) else "")
+        return description.replace("{each}", requirement(entry_of(annotation)) if entry_of(annotation) else "")
     if get_origin(base) is Literal:
         return choice(get_args(base))
     if base is bool:
@@ -163,10 +163,10 @@ def words(annotation: Any) -> str:
     if table_header(annotation):
         return f"a table ({table_header(annotation)})"
     if is_union(base):
-        return " or ".join(words(member) for member in get_args(base))
+        return " or ".join(requirement(member) for member in get_args(base))
     if get_origin(base) is tuple:
         each = entry_of(annotation)
-        return f"a list of tables ({table_header(each)})" if table_header(each) else f"a list, each {words(each)}"
+        return f"a list of tables ({table_header(each)})" if table_header(each) else f"a list, each {requirement(each)}"
     if get_origin(base) is dict:
         return f"tables ({table_header(get_args(base)[1])})"
     return "text in quotes"
@@ -241,11 +241,11 @@ def refusal(annotation: Any, place: list[Any], value: Any) -> str:
     if place and isinstance(value, list | tuple) and (each := entry_of(annotation)) and place[0] < len(value):
         return f"entry [{place[0]}] {refusal(each, place[1:], value[place[0]])}"
     if place and isinstance(value, dict) and get_origin(base) is tuple:  # a range
-        return f"{'from' if place[0] == 0 else 'to'} must be {words(entry_of(annotation))}"
+        return f"{'from' if place[0] == 0 else 'to'} must be {requirement(entry_of(annotation))}"
     if get_origin(base) is Literal:
         return "must be " + choice(get_args(base), value)
     empty = "the list is empty: " if value in ([], ()) and get_origin(base) is tuple else ""
-    return f"{empty}must be {words(annotation)}"
+    return f"{empty}must be {requirement(annotation)}"
 
 
 Row = TypeVar("Row")

@@ -126,8 +126,8 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
 
     legend = [Line2D([], [], color=colour, label=name) for name, colour in colours.items()]
     for n, (label, _, _, wheel) in enumerate(lines if len(lines) > 1 else ()):
-        names = (label, f"{wheel} wheel".strip() if len(wheels) > 1 else "")
-        legend.append(Line2D([], [], color=QUIET, linestyle=looks[n], label=", ".join(filter(None, names))))
+        parts = (label, f"{wheel} wheel".strip() if len(wheels) > 1 else "")
+        legend.append(Line2D([], [], color=QUIET, linestyle=looks[n], label=", ".join(filter(None, parts))))
     draws = [partial(draw, name=q, differences=d) for q in quantities for d in (False, True)]
     return panels(title, draws, 36.0 * len(quantities) + 24.0, columns=2, legend=legend, note=left_out)
 

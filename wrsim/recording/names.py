@@ -25,7 +25,7 @@ JOINED = r"^{0}(?=prof|align|aline|surf|top|mco)|(?:prof|align|aline|surf|top|mc
 LENGTH = re.compile(r"(\d+(?:[.,]\d+)?)\s*(m(?![a-z])|ft|feet|foot|'|米)?")
 US_CHORDS = ("31", "62", "124")  # feet, of 49 CFR 213; a chord or a base of these numbers has no unit in its name
 WAVES = re.compile(r"(\d+(?:[.,]\d+)?)\s*m?\s*(?:-|–|~|to|bis|a)\s*(\d+(?:[.,]\d+)?)\s*m(?![a-z])")
-SPELLINGS = {word: unit for unit, words in _TABLES["spellings"].items() for word in words}
+SPELLINGS = {word: unit for unit, spellings in _TABLES["spellings"].items() for word in spellings}
 """Other spellings of units."""
 BRACKET = re.compile(r"\s*[\[(]\s*([^\])]*?)\s*[\])]")
 NO_UNIT = re.compile(r"d[123]|.*\d.*m|.*(弦|chord)")

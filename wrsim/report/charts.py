@@ -166,10 +166,10 @@ def _curves(
         label = called.get(part, part) if len(parts) > 1 or of in NAMED else ""
         for (j, wheel), k in product(enumerate(wheels), patches):
             patch = f"{PATCHES[k]} patch" if len(patches) > 1 else ""
-            words = [w for w in (names[run] if several else "", label, wheel, patch) if w]
+            names_of_curve = [w for w in (names[run] if several else "", label, wheel, patch) if w]
             of_series = SERIES_COLOURS[(run if several else i) % len(SERIES_COLOURS)]
             look = {
-                "label": ", ".join(words) or CHANNELS[key].long_name,
+                "label": ", ".join(names_of_curve) or CHANNELS[key].long_name,
                 "part": part if of == "wheelset" and not on_track else "",
                 "run": run,
                 "colour": of_series if several or (of in NAMED and not lone) else WHEEL_COLOUR.get(wheel, INK),

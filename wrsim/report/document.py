@@ -155,14 +155,15 @@ def _motion(result: Result, summary: Summary, assessment: Assessment | None) -> 
     subject = f"Wheelset {name}" if is_lone(dataset) else f"Vehicle {name} ({count} wheelset{'s' * (count != 1)})"
     if "time" not in dataset.dims:
         return f"{subject}: {extent_words(dataset)}."
-    words = f"{subject} with {_loads(assessment)}" if assessment else subject
+    if assessment:
+        subject += f" with {_loads(assessment)}"
     kmh = 3.6 * float(dataset["speed"].mean()) if "speed" in dataset and dataset["speed"].size else None
     if kmh is None or "distance" not in dataset.coords or kmh < 1e-6:
-        return f"{words}: {extent_words(dataset)}."
+        return f"{subject}: {extent_words(dataset)}."
     length = quantity(float(dataset["distance"].max() - dataset["distance"].min()), "m", ".0f")
     kind = "uneven" if "rail_lateral" in dataset else "smooth"
     curves = _curves(summary, assessment)
-    return f"{words} runs at {quantity(kmh, 'km/h', '.3g')} over {length} of {kind} track{curves}."
+    return f"{subject} runs at {quantity(kmh, 'km/h', '.3g')} over {length} of {kind} track{curves}."
 
 
 def _loads(assessment: Assessment) -> str:
@@ -175,17 +176,17 @@ def _loads(assessment: Assessment) -> str:
 def _curves(summary: Summary, assessment: Assessment | None) -> str:
     """The full curves of a run: radius, hand, cant, and the cant deficiency of their sections."""
     first: Summary = next(iter(summary.get("wheelsets", {}).values()), {})
-    words = []
+    texts = []
     for curve in first.get("full_curves", ()):
         hand = "left" if curve["radius_m"] > 0.0 else "right"
-        words.append(f"R {quantity(abs(curve['radius_m']), 'm', '.0f')} to the {hand}")
+        texts.append(f"R {quantity(abs(curve['radius_m']), 'm', '.0f')} to the {hand}")
         if cant := abs(curve.get("cant_mm", 0.0)):
-            words[-1] += f" with {quantity(cant, 'mm', '.0f')} of cant"
+            texts[-1] += f" with {quantity(cant, 'mm', '.0f')} of cant"
         middle = 0.5 * (curve["from_m"] + curve["to_m"])
         inside = [s for s in (assessment.sections if assessment else ()) if s.start <= middle <= s.end]
         if inside and abs(missing := 1e3 * inside[0].cant_deficiency) >= 0.5:
-            words[-1] += f" ({quantity(abs(missing), 'mm', '.0f')} of cant {'deficiency' if missing > 0 else 'excess'})"
-    return f" with {'a full curve' if len(words) == 1 else 'full curves'} of {join_names(words, 3)}" if words else ""
+            texts[-1] += f" ({quantity(abs(missing), 'mm', '.0f')} of cant {'deficiency' if missing > 0 else 'excess'})"
+    return f" with {'a full curve' if len(texts) == 1 else 'full curves'} of {join_names(texts, 3)}" if texts else ""
 
 
 def contact_sentence(dataset: xr.Dataset, of: str = "") -> str:
@@ -197,25 +198,25 @@ def contact_sentence(dataset: xr.Dataset, of: str = "") -> str:
         return ""
     normal = section.get("normal", ContactSettings().normal)
     creep = section.get("tangential", USUAL[normal].tangential if normal in USUAL else "")
-    words = f"Wheel-rail contact{of}: {USUAL[normal].text if normal in USUAL else normal}"
+    about = f"Wheel-rail contact{of}: {USUAL[normal].text if normal in USUAL else normal}"
     if creep in CREEP_LAWS and CREEP_LAWS[creep].text and dataset.attrs.get("analysis") != "conicity":
         friction = section.get("friction", DRY)
         how = f"coefficient of friction {friction:g}" if isinstance(friction, int | float) else "friction by its law"
-        words += f"; creep forces by {CREEP_LAWS[creep].text}, {how}"
+        about += f"; creep forces by {CREEP_LAWS[creep].text}, {how}"
         heat = section.get("temperature", {})
         if change := heat.get("friction_change"):
             start = heat.get("friction_from_C", Heating().friction_from)
-            words += f", which changes by {change:+g} over {heat['friction_over_K']:g} K from {start:g} °C on"
+            about += f", which changes by {change:+g} over {heat['friction_over_K']:g} K from {start:g} °C on"
         if layer := section.get("layer"):
             kinds = {"thickness_mm": "shears elastically", "yield_stress_MPa": "yields"}
-            words += f"; a layer between them that {' and '.join(text for key, text in kinds.items() if key in layer)}"
+            about += f"; a layer between them that {' and '.join(text for key, text in kinds.items() if key in layer)}"
     turn = float(dataset["contact_angle_variation"].max()) if "contact_angle_variation" in dataset else 0.0
     if turn > TURNED and normal == "strips" and section.get("half_space", {}).get("influence") != "angle-corrected":
-        words += (
+        about += (
             f". Normals turn by up to {degrees(turn):.0f} degrees over a patch, which the influence of pressures "
             "leaves out; wrsim resolve --contact strips+half_space.influence=angle-corrected tells what it would change"
         )
-    return f"{words}."
+    return f"{about}."
 
 
 def _asked(result: Result) -> str:
@@ -228,7 +229,7 @@ def _asked(result: Result) -> str:
 def basis(dataset: xr.Dataset, assessment: Assessment) -> str:
     """Basis of a verdict: smooth or uneven track, the sections of every class of track beside those that the standard
     asks, limits that are to be confirmed."""
-    words = [f"simulation on {'uneven' if 'rail_lateral' in dataset else 'smooth'} track"]
+    grounds = [f"simulation on {'uneven' if 'rail_lateral' in dataset else 'smooth'} track"]
     for zone in dict.fromkeys(s.zone for s in assessment.sections if s.zone != TRANSITION):
         sections = [s for s in assessment.sections if s.zone == zone]
         radii = sorted(abs(s.radius) for s in sections)
@@ -236,17 +237,17 @@ def basis(dataset: xr.Dataset, assessment: Assessment) -> str:
         where = "straight" if zone == "straight" else f"R {span} m"
         needed = assessment.rules.needed.get(zone)
         count = f"{len(sections)} of {needed}*" if needed else str(len(sections))
-        words.append(f"{count} section{'s' * (len(sections) != 1)} {where}")
+        grounds.append(f"{count} section{'s' * (len(sections) != 1)} {where}")
     if any(v.limit is not None and v.limit.mark == "mem" for v in assessment.values):
-        words.append("limits marked * to be confirmed")
-    return f"Basis: {'; '.join(words)}."
+        grounds.append("limits marked * to be confirmed")
+    return f"Basis: {'; '.join(grounds)}."
 
 
-def css_text(words: str) -> Markup:
+def css_text(text: str) -> Markup:
     """A text as a string of a style sheet: all but letters and digits of ASCII as numbers, so that it ends nothing."""
-    return Markup('"{}"').format("".join(c if c.isascii() and c.isalnum() else f"\\{ord(c):06x}" for c in words))
+    return Markup('"{}"').format("".join(c if c.isascii() and c.isalnum() else f"\\{ord(c):06x}" for c in text))
 
 
-def together(words: Sequence[str]) -> str:
+def together(parts: Sequence[str]) -> str:
     """Those of the texts that are not empty, with points between."""
-    return " \N{MIDDLE DOT} ".join(filter(None, words))
+    return " \N{MIDDLE DOT} ".join(filter(None, parts))

@@ -191,8 +191,8 @@ def _inputs(bench: Stepper, places: Places, vehicle: Vehicle) -> Iterator[dict[s
     for name, view in bench.inputs.items():
         unit = "N m" if name.endswith("_Nm") else "N"
         reach = load * (radius if unit == "N m" else 1.0)
-        words = re.sub(r"_(Nm|N)$", "", name).replace("_", " ")
-        yield {"words": words, "unit": unit, "reach": reach, "value": float(view[0]), "place": places.of(view)}
+        label = re.sub(r"_(Nm|N)$", "", name).replace("_", " ")
+        yield {"words": label, "unit": unit, "reach": reach, "value": float(view[0]), "place": places.of(view)}
 
 
 def _elements(bench: Stepper, places: Places) -> Iterator[dict[str, Any]]:
@@ -229,6 +229,6 @@ def _limits() -> dict[str, list[dict[str, Any]]]:
         if limit is not None:
             shown = clause.judged.shown
             value = f"{shown.factor * limit.value:g} {shown.unit}".strip()
-            words = f"{clause.judged.symbol} {value}, {limit.source}{limit.star}"
-            drawn.setdefault(clause.quantity, []).append({"value": shown.factor * limit.value, "words": words})
+            label = f"{clause.judged.symbol} {value}, {limit.source}{limit.star}"
+            drawn.setdefault(clause.quantity, []).append({"value": shown.factor * limit.value, "words": label})
     return drawn

@@ -90,14 +90,14 @@ def can_go_on(result: Result) -> bool:
 @contextmanager
 def naming(*results: Path) -> Iterator[None]:
     """Name the results that cannot be used for what is done meanwhile, in one line; faults of options name these. No
-    results: words stay as they are."""
+    results: the message stays as it is."""
     try:
         yield
     except InputError as error:
-        words = in_one_line(error)
-        if results and not words.startswith("--") and not any(str(path) in words for path in results):
-            words = f"{', '.join(map(str, results))}: {words}"
-        raise InputError(words) from None
+        message = in_one_line(error)
+        if results and not message.startswith("--") and not any(str(path) in message for path in results):
+            message = f"{', '.join(map(str, results))}: {message}"
+        raise InputError(message) from None
 
 
 def read(path: Path) -> Result:
@@ -145,12 +145,12 @@ def unique_names(results: Sequence[Path]) -> list[str]:
 
 
 class Written(NamedTuple):
-    """What a run left in a folder. took: wall times [s], and their ratio to real time, of a resumed run nothing; words:
-    these, or why nothing ran; removed: files of an earlier result."""
+    """What a run left in a folder. took: wall times [s], and their ratio to real time, of a resumed run nothing;
+    message: these, or why nothing ran; removed: files of an earlier result."""
 
     result: Result
     took: dict[str, float]
-    words: str
+    message: str
     files: Sequence[Path] = ()
     removed: Sequence[Path] = ()
 
@@ -160,7 +160,7 @@ class Written(NamedTuple):
 
 
 def _times(result: Result, wall: float, compiling: float) -> tuple[dict[str, float], str]:
-    """Wall times [s] without and for compiling, and their ratio to real time; in words for runs along the track."""
+    """Wall times [s] without and for compiling, and their ratio to real time; as a text for runs along the track."""
     times = result.dataset.coords.get("time")
     lasted = 0.0 if times is None or times.size == 0 else float(times[-1] - times[0])
     took = {"wall_time_s": round(wall, 3), "compiling_s": round(compiling, 3)}
@@ -168,9 +168,9 @@ def _times(result: Result, wall: float, compiling: float) -> tuple[dict[str, flo
         return took, ""
     ratio, how = (lasted / wall, "faster") if lasted >= wall else (wall / lasted, "slower")
     more = f"; compiling kernels, once, took {quantity(compiling, 's', '.3g')} besides" if compiling >= 0.1 else ""
-    words = f"{quantity(lasted, 's')} on the track in {quantity(wall, 's', '.3g')} of wall time"
-    words += f": {quantity(ratio, 'times', '.3g')} {how} than real time{more}"
-    return took | {"times_real_time": round(wall / lasted, 4)}, words
+    text = f"{quantity(lasted, 's')} on the track in {quantity(wall, 's', '.3g')} of wall time"
+    text += f": {quantity(ratio, 'times', '.3g')} {how} than real time{more}"
+    return took | {"times_real_time": round(wall / lasted, 4)}, text
 
 
 def run_into(
@@ -215,6 +215,6 @@ def run_into(
             return Written(result, *took, files, keeper.clear(files))
         except (KeyboardInterrupt, WrsimError) as error:
             if record.exists() and not isinstance(error, InputError | SimulationError):  # Ctrl-C, or a full disk
-                words = f"{str(error) or 'interrupted'}; the run is safe in {record}: go on with --resume"
-                raise type(error)(words) from None
+                message = f"{str(error) or 'interrupted'}; the run is safe in {record}: go on with --resume"
+                raise type(error)(message) from None
             raise

@@ -94,10 +94,10 @@ def write_comparison(
     names = wheelsets(comparison.main.result.dataset)
     for name in names:
         each = {model.name: of_wheelset(model.result.dataset, name) for model in models}
-        suffix, words = (f"_{name}", f"{title}: {name}") if len(names) > 1 else ("", title)
+        suffix, heading = (f"_{name}", f"{title}: {name}") if len(names) > 1 else ("", title)
         drawn = {model: dataset for model, dataset in each.items() if has_patches(dataset)}
         if comparison.reference in drawn and len(drawn) > 1:
-            figures[f"compare_patches{suffix}"] = partial(patches_figure, drawn, words)
+            figures[f"compare_patches{suffix}"] = partial(patches_figure, drawn, heading)
     return files + save_all(figures, directory)
 
 

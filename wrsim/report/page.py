@@ -198,13 +198,13 @@ def last_part(source: str) -> str:
 
 
 def _track(dataset: xr.Dataset, assessment: Assessment | None) -> tuple[str, str] | None:
-    """The track of a run as a picture, with words for its sections; None where the run knows no curvature."""
+    """The track of a run as a picture with the labels of its sections; None where the run knows no curvature."""
     if "curvature" not in dataset or dataset.sizes.get("time", 0) < 2 or np.ptp(dataset["distance"].values) < 1e-9:
         return None
     sections = assessment.sections if assessment else ()
     ends = (f"{formatted(s.start, '.0f')} to {quantity(s.end, 'm', '.0f')}" for s in sections)
-    words = [f"section {s.number}: {s.label}, {places}" for s, places in zip(sections, ends, strict=True)]
-    return as_picture("; ".join(words) or "curvature and cant", track_diagram(dataset, sections))
+    labels = [f"section {s.number}: {s.label}, {places}" for s, places in zip(sections, ends, strict=True)]
+    return as_picture("; ".join(labels) or "curvature and cant", track_diagram(dataset, sections))
 
 
 def _histories(runs: _Runs) -> Makers:
@@ -255,9 +255,9 @@ def _vibrations(result: Result, name: str) -> dict[str, Any]:
     """What bends, and spectra of the fast channels: of the displacements of rails those of their acceleration."""
     from wrsim.analysis.spectra import evaluate_spectra
 
-    words = {"bent": "rails and axles, magnified", "fast": "fast channels"}
+    names = {"bent": "rails and axles, magnified", "fast": "fast channels"}
     drawn = {name.rpartition("/")[2]: make for name, make in standard_figures(result.dataset).items()}
-    pictures = [as_picture(part, drawn[name]()) for name, part in words.items() if name in drawn]
+    pictures = [as_picture(part, drawn[name]()) for name, part in names.items() if name in drawn]
     fast = [str(n).removeprefix("fast_") for n in result.dataset.data_vars if str(n).startswith("fast_")]
     evaluated = [
         tables.evaluated(partial(evaluate_spectra, channel=c, derivative=2 * c.startswith("rail_")), result)
@@ -271,12 +271,12 @@ def _vibrations(result: Result, name: str) -> dict[str, Any]:
 
 def _wear(result: Result, name: str) -> dict[str, Any]:
     figures = {"depths over the profiles": wear_figure, "rolling contact fatigue": fatigue_figure}
-    pictures = [as_picture(words, make(result.dataset)) for words, make in figures.items()]
+    pictures = [as_picture(title, make(result.dataset)) for title, make in figures.items()]
     return {"name": name, "tables": tables.wear_tables(result.dataset), "pictures": pictures}
 
 
 def as_picture(name: str, figure: Figure) -> tuple[str, str]:
-    """A figure for a page: its name in words, and its SVG as a data address."""
+    """A figure for a page: its name, and its SVG as a data address."""
     return name.replace("_", " "), _address("svg+xml", rendered(figure, "svg"))
 
 

@@ -30,9 +30,9 @@ def study_page(dataset: xr.Dataset, source: str, cover: Cover = NO_COVER) -> str
     folder = last_part(source.removesuffix("/study.nc"))
     rows = [("title", dataset.attrs["title"]), ("study", folder), ("analysis", dataset.attrs.get("analysis", ""))]
     rows += [(f"varied: {dataset[name].attrs['key']}", _span(dataset, name, 8)) for name in varied(dataset)]
-    labels, words = _labels(dataset), of_cases(dataset, "message").astype(str)
-    without = np.flatnonzero((status != COMPLETED) | (words != ""))
-    lost = [(labels[i], str(status[i]), str(words[i])) for i in without[:MOST_ROWS]]
+    labels, messages = _labels(dataset), of_cases(dataset, "message").astype(str)
+    without = np.flatnonzero((status != COMPLETED) | (messages != ""))
+    lost = [(labels[i], str(status[i]), str(messages[i])) for i in without[:MOST_ROWS]]
     cases_more = [f"Case abcd… lies in {folder}/cases/ab/abcd…; study.csv has full names"]
     cases_more += [f"{MOST_OUTPUTS} of {len(outputs)} outputs; study.csv has all"] * (len(outputs) > MOST_OUTPUTS)
     page = {
@@ -69,18 +69,18 @@ def _study_paragraph(dataset: xr.Dataset, outputs: Sequence[str], labels: Sequen
     one = "vehicle.model" not in keys.values()
     subject = f"of vehicle {vehicle_name(dataset)}" if one else "of several vehicles"
     analysis = str(dataset.attrs.get("analysis", ""))
-    words = [f"{dataset['status'].size} cases {subject}: {ASKED.get(analysis, analysis)}."]
+    sentences = [f"{dataset['status'].size} cases {subject}: {ASKED.get(analysis, analysis)}."]
     told = [f"{key} ({_span(dataset, name, MOST_TOLD)})" for name, key in keys.items()]
-    words.append(f"Varied: {join_names(told, MOST_TOLD)}." if told else "")
+    sentences.append(f"Varied: {join_names(told, MOST_TOLD)}." if told else "")
     changed = any(key.startswith("contact.") for key in keys.values())
-    words.append(contact_sentence(dataset, " of the base scenario" if changed else ""))
+    sentences.append(contact_sentence(dataset, " of the base scenario" if changed else ""))
     table = _outputs(dataset, outputs[:MOST_TOLD], labels)
     for name, low, at_low, median, high, at_high in table.rows if table else ():
         ends = f"{low} ({at_low}) and {high} ({at_high})"
-        words.append(
+        sentences.append(
             f"{name} is {low} in all cases." if low == high else f"{name} lies between {ends}; median {median}."
         )
-    return " ".join(filter(None, words))
+    return " ".join(filter(None, sentences))
 
 
 def _evolution_paragraph(dataset: xr.Dataset) -> str:
@@ -88,20 +88,20 @@ def _evolution_paragraph(dataset: xr.Dataset) -> str:
     about, steps = dataset.attrs, dataset.sizes["point"] - 1
     law = LAW_WORDS.get(str(about.get("law")), str(about.get("law", "")))
     mileage = quantity(1e-3 * float(dataset["mileage"].values[-1]), "km", ".6g")
-    words = [
+    sentences = [
         f"Wheels {about.get('wheel', '')} of vehicle {vehicle_name(dataset)} wear by the law {law} over {mileage}."
     ]
     cases = str(about.get("cases_text", "")).strip().count("\n")
-    words.append(f"Each of the {steps} steps runs {cases} cases by their shares, then the profile is made anew.")
-    words.append(contact_sentence(dataset))
+    sentences.append(f"Each of the {steps} steps runs {cases} cases by their shares, then the profile is made anew.")
+    sentences.append(contact_sentence(dataset))
     units = {"flange_thickness": "mm", "flange_height": "mm", "flange_steepness": "mm", "conicity": ""}
     for name, unit in units.items():
         first, last = (float(v) * (1e3 if unit else 1.0) for v in dataset[name].values[[0, -1]])
         form = ".2f" if unit else ".3f"
         ends = f"from {formatted(first, form)} to {quantity(last, unit, form)}"
         of = str(dataset[name].attrs["long_name"])
-        words.append(f"{of[0].upper()}{of[1:]}: {ends}.")
-    return " ".join(filter(None, words))
+        sentences.append(f"{of[0].upper()}{of[1:]}: {ends}.")
+    return " ".join(filter(None, sentences))
 
 
 def _versions(dataset: xr.Dataset) -> list[tuple[str, str]]:
@@ -156,15 +156,15 @@ def _text(value: object) -> str:
 
 
 def verdict_page(
-    title: str, summary: str, tables: dict[str, Table], notes: Sequence[str], words: str, passed: bool,
+    title: str, summary: str, tables: dict[str, Table], notes: Sequence[str], sentence: str, passed: bool,
     texts: dict[str, str], figures: Makers | None = None, cover: Cover = NO_COVER,
 ) -> str:  # fmt: skip
-    """The report of a type test, a validation or a calibration as HTML. tables: by their headings; words: the verdict;
-    texts: files by name."""
+    """The report of a type test, a validation or a calibration as HTML. tables: by their headings; sentence: the
+    verdict; texts: files by name."""
     page = {
         "cover": cover.of(title),
         "version": __version__,
-        "verdict": ReportVerdict(OPEN if passed else BAD, words),
+        "verdict": ReportVerdict(OPEN if passed else BAD, sentence),
         "summary": summary,
         "tables": tables,
         "pictures": [as_picture(name, make()) for name, make in (figures or {}).items()],
@@ -180,7 +180,7 @@ OF_EVOLUTION = {
     "cases_text": "Table of cases",
     "scenario_text": "Scenario",
 }
-"""Files that a profile evolution holds, and words for them."""
+"""Files that a profile evolution holds, and their headings."""
 
 
 def evolution_page(dataset: xr.Dataset, source: str, numbers: Table, cover: Cover = NO_COVER) -> str:
@@ -202,6 +202,6 @@ def evolution_page(dataset: xr.Dataset, source: str, numbers: Table, cover: Cove
         "numbers": numbers,
         "pictures": [as_picture(name, make()) for name, make in evolution_figures(dataset).items()],
         "command": f"wrsim wear evolution.toml -o {quoted(folder or 'evolution')}",
-        "texts": {words: str(about[key]) for key, words in OF_EVOLUTION.items() if about.get(key)},
+        "texts": {label: str(about[key]) for key, label in OF_EVOLUTION.items() if about.get(key)},
     }
     return page_template("evolution.html").render(page)

@@ -45,10 +45,10 @@ APART = 1.05  # limits that differ by less are one line in a chart
 
 
 class ReportVerdict(NamedTuple):
-    """One line: state and words."""
+    """One line: state and sentence."""
 
     state: str
-    words: str
+    sentence: str
 
 
 def evaluated(evaluate: Callable[[Result], T], result: Result) -> tuple[T | None, str]:
@@ -64,16 +64,16 @@ def verdict(result: Result, assessment: Assessment | None, why: str) -> ReportVe
     stop = f"Stopped early: {result.stop_reason}. " if result.status == "stopped" else ""
     state, worst = OPEN, assessment.tightest() if assessment is not None else None
     if "time" in result.dataset.dims and is_lone(result.dataset):
-        words = f"{NO_VERDICT[0].upper()}{NO_VERDICT[1:]}."
+        sentence = f"{NO_VERDICT[0].upper()}{NO_VERDICT[1:]}."
     elif assessment is None:
-        words = f"Not assessed: {why}." if "time" in result.dataset.dims else "" if stop else "Completed."
+        sentence = f"Not assessed: {why}." if "time" in result.dataset.dims else "" if stop else "Completed."
     elif worst is None:
-        words = "No limit applies to anything that was assessed."
+        sentence = "No limit applies to anything that was assessed."
     else:
-        words = assessment.verdict.replace("A LIMIT IS EXCEEDED", "a limit is exceeded").replace("every", "Every")
+        sentence = assessment.verdict.replace("A LIMIT IS EXCEEDED", "a limit is exceeded").replace("every", "Every")
         state = BAD if not assessment.passed else OPEN if assessment.unlimited else GOOD
-        words = f"{words}; {_tightest(worst)}. {basis(result.dataset, assessment)}"
-    return ReportVerdict(BAD if stop else state, stop + words)
+        sentence = f"{sentence}; {_tightest(worst)}. {basis(result.dataset, assessment)}"
+    return ReportVerdict(BAD if stop else state, stop + sentence)
 
 
 def _tightest(row: ZoneValue) -> str:
@@ -82,9 +82,9 @@ def _tightest(row: ZoneValue) -> str:
     number, kind = value.value, ""
     if margin < (value.margin or 0.0) and row.estimate is not None:
         number, kind = row.estimate, ", estimated maximum"
-    of = "of at least" if judged.lowest else "of"
-    worst = f"{judged.symbol} = {quantity(number * judged.shown.factor, judged.shown.unit)}{kind} {of} {at_most}"
-    place = f"{judged.words}; {value.section.label}, {value.where}"
+    part_of = "of at least" if judged.lowest else "of"
+    worst = f"{judged.symbol} = {quantity(number * judged.shown.factor, judged.shown.unit)}{kind} {part_of} {at_most}"
+    place = f"{judged.meaning}; {value.section.label}, {value.where}"
     return f"worst margin {quantity(100.0 * margin, '%', '.0f')}: {worst} ({place})"
 
 
@@ -130,9 +130,9 @@ def assessment_rows(assessments: Sequence[Assessment | None]) -> tuple[list[dict
     letters: dict[str, str] = {}
     for i, each in enumerate(assessments):
         for row in each.zones if each is not None else ():
-            of, zone, limit = row.worst.quantity, row.worst.section.zone, row.worst.limit
-            words = {"symbol": of.symbol, "words": of.words, "unit": converted(of.shown).unit, "zone": zone, "first": 0}
-            line = quantities.setdefault(of.key, {}).setdefault(zone, words | {"cells": [None] * len(assessments)})
+            q, zone, limit = row.worst.quantity, row.worst.section.zone, row.worst.limit
+            about = {"quantity": q, "unit": converted(q.shown).unit, "zone": zone, "first": 0}
+            line = quantities.setdefault(q.key, {}).setdefault(zone, about | {"cells": [None] * len(assessments)})
             letter = letters.setdefault(limit.source, snapshot_letter(len(letters))) if limit is not None else ""
             cells = row.cells() | ({"verdict": ""} if each is not None and each.lone else {})
             marks = {"letter": letter, "star": limit.star if limit is not None else ""}
@@ -154,7 +154,7 @@ def chart_limits(assessments: Sequence[Assessment | None]) -> dict[str, list[dic
     """Limits to draw across histories, over the sections in which they hold [m]; those of the track shifting force both
     ways. Of limits that lie as near each other as those of wheelsets of nearly one load, the least."""
     drawn: dict[str, list[dict[str, Any]]] = {}
-    for key, (channel, words) in CHART_LIMITS.items():
+    for key, (channel, label) in CHART_LIMITS.items():
         apart: dict[float, dict[float, float]] = {}
         values = [v for each in assessments if each is not None for v in each.of(key) if v.limit is not None]
         pairs = [(round(v.limit.value * v.quantity.shown.factor, 3), v.section) for v in values if v.limit is not None]
@@ -163,17 +163,17 @@ def chart_limits(assessments: Sequence[Assessment | None]) -> dict[str, list[dic
             apart.setdefault(limit if limit > APART * last else last, {})[section.start] = section.end
         for limit, spans in apart.items():
             for y in (limit, -limit) if key == "sum_Y" else (limit,):
-                about = {"label": f"{words} {formatted(y)}", "value": y, "spans": sorted(spans.items())}
+                about = {"label": f"{label} {formatted(y)}", "value": y, "spans": sorted(spans.items())}
                 drawn.setdefault(channel, []).append(about)
     return drawn
 
 
 def cards(summaries: Sequence[Summary], names: Sequence[str]) -> list[tuple[str, list[Table]]]:
     """For every wheelset a card: its name, tables of its peaks."""
-    of = [summary.get("wheelsets", {}) for summary in summaries]
-    sets = list(dict.fromkeys(name for peaks in of for name in peaks))
-    words = numbered(sets) if len(set(map(tuple, of))) == 1 else dict(zip(sets, sets, strict=True))
-    return [(words[name], wheelset_tables([peaks.get(name) for peaks in of], names)) for name in sets]
+    by_result = [summary.get("wheelsets", {}) for summary in summaries]
+    sets = list(dict.fromkeys(name for peaks in by_result for name in peaks))
+    labels = numbered(sets) if len(set(map(tuple, by_result))) == 1 else dict(zip(sets, sets, strict=True))
+    return [(labels[name], wheelset_tables([peaks.get(name) for peaks in by_result], names)) for name in sets]
 
 
 def curves(summaries: Sequence[Summary], names: Sequence[str]) -> list[Table]:
@@ -243,7 +243,7 @@ def event_table(results: Sequence[Result], summaries: Sequence[Summary], names: 
             s, t = (float(result.dataset.attrs[f"stop_{key}"]) for key in ("distance_m", "time_s"))
             happened.append((s, t, f"stopped: {result.stop_reason}"))
         who = (name,) if len(names) > 1 else ()
-        rows += [(quantity(s, "m", ".1f"), quantity(t, "s", ".3f"), words, *who) for s, t, words in happened]
+        rows += [(quantity(s, "m", ".1f"), quantity(t, "s", ".3f"), event, *who) for s, t, event in happened]
     heads = ("place", "time", "what happened", *(("result",) if len(names) > 1 else ()))
     return Table("", tuple(map(Column, heads)), rows) if rows else None
 

@@ -175,8 +175,8 @@ def _bent(dataset: xr.Dataset, keep: NDArray[np.intp], events: list[dict[str, An
     names, at = wheelsets(dataset), float(dataset.attrs["bent_at_m"])
     wheelset = names.index(str(dataset.attrs["bent_by"]).rpartition(" ")[0])
     sample = int(np.argmin(np.abs(dataset["wheelset_distance"].values[keep, wheelset] - at)))
-    words = "the largest vertical force, with bent rails and axles"
-    events.append({"s": float(dataset["distance"].values[keep[sample]]), "words": words})
+    label = "the largest vertical force, with bent rails and axles"
+    events.append({"s": float(dataset["distance"].values[keep[sample]]), "words": label})
     shapes: dict[str, Any] = {"sample": sample, "wheelsets": list(names)}
     if "bent_rail" in dataset:
         shapes |= {
@@ -190,10 +190,10 @@ def _bent(dataset: xr.Dataset, keep: NDArray[np.intp], events: list[dict[str, An
 
 
 def _events(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    marks: list[dict[str, Any]] = [{"s": s, "words": words} for _, s, words in events(dataset)]
+    marks: list[dict[str, Any]] = [{"s": s, "words": label} for _, s, label in events(dataset)]
     if "snapshot_label" in dataset:
         places = zip(dataset["snapshot_distance"].values, dataset["snapshot_label"].values, strict=True)
-        marks += [{"s": float(s), "words": f"snapshot: {words}"} for s, words in places]
+        marks += [{"s": float(s), "words": f"snapshot: {label}"} for s, label in places]
     if "stop_distance_m" in dataset.attrs:
         marks.append({"s": float(dataset.attrs["stop_distance_m"]), "words": "the stop"})
     return sorted((e for e in marks if np.isfinite(e["s"])), key=lambda e: e["s"])
@@ -379,16 +379,16 @@ def drawn_depth(mine: xr.Dataset, body: str, share: Array) -> Array:
 
 
 def worn_outlines(mine: xr.Dataset, on_wheel: Array, on_rail: Array) -> dict[str, Any]:
-    """For the viewer: depths by the first law at points of the outlines of one wheel and its rail, and words for them.
+    """For the viewer: depths by the first law at points of the outlines of one wheel and its rail, and their label.
     on_wheel, on_rail: the points, as shares of the profiles' lengths; depths as hundredths of the largest."""
-    law, words = str(mine["wear_law"].values[0]), []
+    law, depth_texts = str(mine["wear_law"].values[0]), []
     depths: dict[str, Any] = {}
     for body, points in (("wheel", on_wheel), ("rail", on_rail)):
         depths[body] = np.rint(100.0 * drawn_depth(mine, body, points)).astype(int).tolist()
         channel = CHANNELS[f"wear_{body}_depth"]
         most = float(mine.isel(wear_law=0)[channel.name].max())
-        words.append(f"{body} {quantity(most * channel.shown.factor, channel.shown.symbol, '.3g')}")
-    return depths | {"words": f"wear, {LAW_WORDS[law]}: {', '.join(words)} per passage"}
+        depth_texts.append(f"{body} {quantity(most * channel.shown.factor, channel.shown.symbol, '.3g')}")
+    return depths | {"words": f"wear, {LAW_WORDS[law]}: {', '.join(depth_texts)} per passage"}
 
 
 def needed(x: Array, y: Array, off: float) -> NDArray[np.intp]:

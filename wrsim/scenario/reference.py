@@ -99,7 +99,7 @@ def _names(kind: type[Section]) -> list[str]:
 def schema_text(file: str) -> str:
     """The JSON schema of a kind of file, as in ``docs/schema``."""
     kind = FILES[file]
-    schema = json_schema(resolved(kind.place), f"wrsim: {kind.words}")
+    schema = json_schema(resolved(kind.place), f"wrsim: {kind.label}")
     if file == "scenario":  # keys may come from the base or from a track file
         start = "Scenario file to start from; keys of this file override it."
         schema["properties"] = {BASE: {"type": "string", "description": start}} | schema["properties"]

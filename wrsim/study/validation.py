@@ -271,7 +271,7 @@ def series_table(compared: Sequence[Compared]) -> Table:
             spread = model.std() * measured.std()
             correlation = float(np.cov(model, measured, ddof=0)[0, 1] / spread) if spread > 0.0 else None
             off = model - measured
-            label = f"{pair.series.section.words} [{shown.symbol}]"
+            label = f"{pair.series.section.label} [{shown.symbol}]"
             body.append((each.record.name, label, *rms, off.mean(), off.std(), correlation, *_phase(pair)))
     heads = (
         Column("run", key="run"), Column("series", key="series"), Column("rms, measured", key="rms_measured"),
@@ -304,7 +304,7 @@ def basis(compared: Sequence[Compared], rows: Sequence[Judged], model: Assessmen
     for each in compared:
         record = each.record
         notes += shift_notes(record, each.shift, f"{record.file.name} over {record.axis}")
-    filters = {p.series.section.words: _filter_words(p) for each in compared for p in each.pairs}
+    filters = {p.series.section.label: _filter_words(p) for each in compared for p in each.pairs}
     notes += [f"{series}: {form}" for series, form in filters.items() if form]
     counted = [s for s in model.sections if s.zone != TRANSITION]
     zones = ", ".join(f"{sum(s.zone == z for s in counted)} {z}" for z in dict.fromkeys(s.zone for s in counted))
@@ -348,7 +348,7 @@ def figures(compared: Sequence[Compared], rows: Sequence[Judged]) -> Makers:
     series, spectra = list[Panel](), list[Panel]()
     for each in compared:
         for pair in each.pairs:
-            channel, place = CHANNELS[pair.series.section.channel], f"{each.record.name}, {pair.series.section.words}"
+            channel, place = CHANNELS[pair.series.section.channel], f"{each.record.name}, {pair.series.section.label}"
             lines = {
                 name: (pair.place, channel.shown.factor * y)
                 for name, y in (("measured", pair.measured), ("model", pair.model))

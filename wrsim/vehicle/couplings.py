@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from wrsim.inputs.section import Choice, Fault, Section
-from wrsim.inputs.values import fields, number, positive, words
+from wrsim.inputs.values import fields, number, positive, requirement
 from wrsim.vehicle.element_tables import ForceOfTravel, Glyph
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut, Table, Triple
 
@@ -60,7 +60,8 @@ class GearTable(Section, header="[couplings.draw] or [couplings.buff]"):
     @classmethod
     def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         if "stiffness_kN_per_m" in raw and "stroke_mm" not in raw and "stroke_mm_force_kN" not in raw:
-            yield Fault("stroke_mm", f"goes with stiffness_kN_per_m: must be {words(fields(cls)['stroke_mm'])}", True)
+            stroke = requirement(fields(cls)["stroke_mm"])
+            yield Fault("stroke_mm", f"goes with stiffness_kN_per_m: must be {stroke}", True)
 
     def consistency(self) -> Iterator[Fault]:
         rows = self.stroke_mm_force_kN

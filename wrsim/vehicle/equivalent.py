@@ -38,7 +38,7 @@ class Stroke:
         return 2.0 * np.pi * self.frequency
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         velocity = 1e3 * self.rate * self.amplitude
         travel = f"{1e3 * self.amplitude:.4g} mm and {self.frequency:.4g} Hz ({velocity:.4g} mm/s)"
         return f"dampers and friction linearised at {travel}"

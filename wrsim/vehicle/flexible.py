@@ -23,7 +23,7 @@ from wrsim.inputs.csv_tables import are_allowed
 from wrsim.inputs.mode_tables import SLOWEST_MODE, check_number, of_modes, read_mode_table
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import read_bytes
-from wrsim.inputs.values import number, positive, text, words
+from wrsim.inputs.values import number, positive, requirement, text
 from wrsim.vehicle.elements import Array
 
 _Frequency = Annotated[float, number(SLOWEST_MODE, 1500, "Hz")]
@@ -144,7 +144,7 @@ def _from_npz(path: Path) -> ModeArrays:
         if array.shape != shape or array.dtype.kind not in "iuf" or not array.size:
             raise InputError(f"{path}: array '{name}' must be real numbers in the shape {shape}, at least one")
         if not are_allowed(kind, array):
-            raise InputError(f"{path}: array '{name}': each must be {words(kind)}")
+            raise InputError(f"{path}: array '{name}': each must be {requirement(kind)}")
     frequencies, damping, masses, points, values = (np.asarray(array, dtype=float) for array in arrays)
     if values.shape[2] == 3:
         values = np.concatenate([values, np.zeros_like(values)], axis=2)

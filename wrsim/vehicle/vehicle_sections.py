@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from wrsim.inputs.section import Fault, Section, both_or_sides, given
-from wrsim.inputs.values import Day, List, RisingRows, Row, Source, Three, number, positive, text, within, words
+from wrsim.inputs.values import Day, List, RisingRows, Row, Source, Three, number, positive, requirement, text, within
 from wrsim.vehicle.axle import AxleTable
 from wrsim.vehicle.couplings import AnyCouplingTable
 from wrsim.vehicle.element_tables import AnyElementTable, Axes, Metre, Name, Place
@@ -90,8 +90,8 @@ class WheelsetTable(Section, header="[wheelset]"):
 
     @classmethod
     def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        yield from both_or_sides(raw, "wheel", needed=words(WheelName))
-        yield from both_or_sides(raw, "radius_mm", needed=words(Radius))
+        yield from both_or_sides(raw, "wheel", needed=requirement(WheelName))
+        yield from both_or_sides(raw, "radius_mm", needed=requirement(Radius))
         if raw.get("independent_wheels") and "torsional_stiffness_kNm_per_rad" in raw:
             message = "cannot be given with independent_wheels = true, which have no axle between them"
             yield Fault("torsional_stiffness_kNm_per_rad", message)

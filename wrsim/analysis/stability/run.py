@@ -28,7 +28,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
     remarks: list[str] = []
     cycles: list[Cycle] = []
     nonlinear = any(e.is_linearised for e in vehicle.elements)
-    outcome: dict[str, Any] = {"linearised": plan.stroke.words} if nonlinear else {}
+    outcome: dict[str, Any] = {"linearised": plan.stroke.label} if nonlinear else {}
     reason = ""
     try:
         rolling = RollingVehicle(setup, plan.speeds[0])

@@ -55,7 +55,7 @@ def numbers_at_rest(
             {"frequency_Hz": mode.frequency, "damping": mode.damping, "motion": mode.name}
             for mode in natural_modes(trimmed, stroke)
         ],
-        **({"linearised": stroke.words} if any(e.is_linearised for e in vehicle.elements) else {}),
+        **({"linearised": stroke.label} if any(e.is_linearised for e in vehicle.elements) else {}),
         "axles": campbell(vehicle),
     }
     tests: dict[str, tuple[dict[str, float], Callable[[], dict[str, Any]]]] = {}
@@ -92,7 +92,7 @@ def judged(
         "margin": clause.judged.margin(value, limit.value),
         "passed": bool(clause.judged.within(value, limit.value)),
         "lowest": clause.judged.lowest,
-        "limit_source": limit.words,
+        "limit_source": limit.reference,
     }
 
 

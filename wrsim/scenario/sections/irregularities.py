@@ -10,7 +10,7 @@ from pydantic import Field
 from wrsim.errors import InputError
 from wrsim.inputs.section import Choice, Fault, Section, given
 from wrsim.inputs.us_units import FOOT
-from wrsim.inputs.values import List, Two, fields, number, positive, text, words
+from wrsim.inputs.values import List, Two, fields, number, positive, requirement, text
 from wrsim.results.channels import table
 from wrsim.track.irregularities import CHANNELS, Bump, Channel, Disturbance, Polygon, Rail, Shape
 from wrsim.track.spectra import NAMES, Realisation
@@ -216,7 +216,7 @@ class McatSection(IrregularityTable, kind="mcat"):
             what = f"{self.deviation}, {self.course}, chord {self.chord_ft} ft: the table of wrsim {have}"
             yield Fault("track_class", f"{what}; give amplitude_mm")
         if self.deviation == "combined" and self.surface_mm is None:
-            yield Fault("surface_mm", f"must be {words(fields(type(self))['surface_mm'])}", missing=True)
+            yield Fault("surface_mm", f"must be {requirement(fields(type(self))['surface_mm'])}", missing=True)
         elif self.deviation != "combined" and self.surface_mm is not None:
             yield Fault("surface_mm", 'goes with deviation = "combined"')
 

@@ -13,7 +13,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.section import Fault
 from wrsim.inputs.toml_files import shown_value
-from wrsim.inputs.values import Series, number, positive, text, words
+from wrsim.inputs.values import Series, number, positive, requirement, text
 from wrsim.scenario.sections.table import PlanContext, PlanTable
 
 Lateral = Annotated[float, number(-100, 100, "mm, positive to the left")]
@@ -74,7 +74,7 @@ class StaticSection(PlanTable, header="[static]"):
         if "cases" in raw and grid:
             yield Fault("cases", f"cannot be given with {', '.join(grid)}: the poses come from one place")
         elif "cases" not in raw and "load_kN" not in raw:
-            yield Fault("load_kN", f"must be {words(Series[Load])} (or give cases)", missing=True)
+            yield Fault("load_kN", f"must be {requirement(Series[Load])} (or give cases)", missing=True)
         if raw.get("target") == "wheelset":
             if "side" in raw:
                 yield Fault("side", 'is for target = "wheel" only')

@@ -7,7 +7,7 @@ from math import prod
 from typing import Annotated, Any, Literal
 
 from wrsim.inputs.section import Fault
-from wrsim.inputs.values import Series, number, words
+from wrsim.inputs.values import Series, number, requirement
 from wrsim.scenario.sections.table import PlanContext, PlanTable
 from wrsim.scenario.sections.track import Cant
 from wrsim.scenario.sections.vehicle import VehicleSection
@@ -56,7 +56,7 @@ class SteadySection(PlanTable, header="[steady]"):
         steady, vehicle = raw.get("steady"), raw.get("vehicle")
         given = cls.keys_meant(steady) | VehicleSection.keys_meant(vehicle)
         if isinstance(steady, dict) and "speed_kmh" not in given:
-            yield Fault(("steady", "speed_kmh"), f"must be {words(Series[Speed])}", missing=True)
+            yield Fault(("steady", "speed_kmh"), f"must be {requirement(Series[Speed])}", missing=True)
 
     def consistency(self) -> Iterator[Fault]:
         for radius in self.radius_m:

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field
 
 from wrsim.contact.profiles.profile import GAUGE_DEPTH
 from wrsim.inputs.section import SIDES, Choice, Fault, Section, both_or_sides, on_side
-from wrsim.inputs.values import List, number, number_limits, plain_number, positive, refuse, text, unpacked, words
+from wrsim.inputs.values import List, number, number_limits, plain_number, positive, refuse, requirement, text, unpacked
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
 from wrsim.scenario.sections.structure import AnyStructure
 from wrsim.track import segments
@@ -36,7 +36,7 @@ def _slope(value: Any) -> Any:
         return 1.0 / n
     if isinstance(n, float | int) and not 0.0 <= n <= 0.2:
         meant = f'; did you mean "1:{n:g}"?' if 5.0 <= n <= 100.0 else ""
-        raise refuse(f"must be {words(Inclination)}{meant}")
+        raise refuse(f"must be {requirement(Inclination)}{meant}")
     return value
 
 
@@ -149,7 +149,7 @@ class ArcSegment(SegmentTable, kind="arc"):
 
     def consistency(self) -> Iterator[Fault]:
         if not LENGTHS[0] <= self.length <= LENGTHS[1]:
-            yield Fault("angle_deg", f"makes an arc of {self.length:g} m; its length must be {words(Length)}")
+            yield Fault("angle_deg", f"makes an arc of {self.length:g} m; its length must be {requirement(Length)}")
 
     @property
     def length(self) -> float:
@@ -286,7 +286,7 @@ class TrackSection(Section, header="[track]"):
 
     @classmethod
     def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        yield from both_or_sides(raw, "rail", needed=words(RailName))
+        yield from both_or_sides(raw, "rail", needed=requirement(RailName))
         yield from grades_in_order(raw.get("grades"))
         row = raw.get("segments")
         tables = [s if isinstance(s, dict) else {} for s in row] if isinstance(row, list) else []

@@ -89,7 +89,7 @@ class Calibration:
                 spectral, single = section.fit == "spectrum", section.reduce is not None
                 targets.append(
                     Target(
-                        f"{name}, {section.words}" if len(self.candidates.scenarios) > 1 else section.words,
+                        f"{name}, {section.label}" if len(self.candidates.scenarios) > 1 else section.label,
                         name, self.spec.measured.index(section), place, values, None if spectral else pair.series.noise,
                         record.axis != "pose" and not single, weights[name],
                         Shown("ln density", "", 1.0) if spectral else channel.shown,

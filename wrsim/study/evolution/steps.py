@@ -67,7 +67,7 @@ class Step:
         """Mileage at which it ends [m]."""
         return self.start + self.way
 
-    def words(self, mileage: float) -> str:
+    def label(self, mileage: float) -> str:
         """One line on a step that is done, of so much mileage [m]."""
         depth = quantity(1e3 * self.deepest * self.way, "mm", ".3g")
         tread, flange = quantity(1e6 * self.tread, "g/km", ".3g"), formatted(1e6 * self.flange, ".3g")

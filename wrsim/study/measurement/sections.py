@@ -78,7 +78,7 @@ class SeriesSection(ChannelOutput, header="[[measured]]"):
             yield Fault("band_Hz", "must be two rising frequencies")
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         """Channel and labels, for people."""
         return " ".join((self.channel, *self.chosen().values(), self.reduce or "")).strip()
 

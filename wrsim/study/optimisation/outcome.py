@@ -188,8 +188,8 @@ def history(search: Search) -> xr.Dataset:
     variables: dict[str, Any] = {}
     for i, (_, sign) in enumerate(optimisation.shown_costs):
         name = f"cost_{i + 1}" if len(optimisation.shown_costs) > 1 else "cost"
-        words = {"units": "1", "long_name": optimisation.shown_costs[i][0], "sign": sign}
-        variables[name] = ("evaluation", np.array([one.costs[i] for one in judged]), words)
+        attributes = {"units": "1", "long_name": optimisation.shown_costs[i][0], "sign": sign}
+        variables[name] = ("evaluation", np.array([one.costs[i] for one in judged]), attributes)
     units = {
         (scenario.name, name): unit
         for one in judged

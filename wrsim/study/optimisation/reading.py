@@ -120,7 +120,7 @@ class ConstraintSection(SoughtOutput, header="[[constraint]]"):
             yield (self.at_most - value) / (abs(self.at_most) or 1.0)
 
     @property
-    def words(self) -> list[str]:
+    def labels(self) -> list[str]:
         """What is allowed, for each of its margins."""
         bounds = (("at least", self.at_least), ("at most", self.at_most))
         return [f"{word} {bound:g}" for word, bound in bounds if bound is not None] or ["at least 0"]
@@ -279,7 +279,7 @@ class Optimisation:
     @property
     def margin_names(self) -> list[str]:
         """What each of the margins is of."""
-        return [f"{each.label(self.several)} {words}" for each in self.constraints for words in each.section.words]
+        return [f"{each.label(self.several)} {label}" for each in self.constraints for label in each.section.labels]
 
     def judged(self, number: int, candidate: Candidate) -> Judged:
         """Costs and margins of a candidate."""
