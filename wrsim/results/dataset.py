@@ -15,6 +15,7 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.toml_files import parse_toml
 from wrsim.register import ANALYSES
 from wrsim.results.channels import CHANNELS, WHEELS, Channel, Kind
+from wrsim.results.netcdf import parts_of
 
 FORMAT = "wrsim result"
 FORMAT_VERSION = 3
@@ -206,7 +207,7 @@ def _faults_of_labels(dataset: xr.Dataset, sample: str, labels: Sequence[str]) -
     if wheels not in (WHEELS, *((wheel,) for wheel in WHEELS)):
         yield f"its wheel is {', '.join(wheels)!r:.40}, must be {', '.join(WHEELS)} or one of them"
     for name in ("time", "distance", "speed", "wheelset_distance", "snapshot_time", "snapshot_distance"):
-        if name in dataset.variables and not np.isfinite(dataset[name].values).all():
+        if name in dataset.variables and not all(np.isfinite(p).all() for _, p in parts_of(dataset.variables[name])):
             yield f"its {name} is not finite everywhere"
     if sample == "time" and (np.diff(dataset["time"].values) <= 0.0).any():
         yield "its time does not increase from sample to sample"

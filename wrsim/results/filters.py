@@ -9,7 +9,7 @@ instability criterion would take 10 % off f0 itself.
 Sliding values are integrals over distance, exact for a signal that is linear between its samples.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import atan, pi, tan
 
 import numpy as np
@@ -19,6 +19,7 @@ import xarray as xr
 from wrsim.errors import InputError
 from wrsim.results.moments import Array
 
+ROWS = 1 << 15  # samples of a long signal that are filtered at once
 LEAST_SAMPLES = 30  # samples that a signal needs before filtering means anything
 
 
@@ -54,8 +55,42 @@ def band_pass(signal: Array, rate: float, low: float, high: float) -> Array:
     return _filtered(_filtered(signal, rate, "lowpass", high, 4), rate, "highpass", low, 4)
 
 
+def low_passed(read: Callable[[int, int], Array], count: int, rate: float, cut_off: float) -> Iterator[Array]:
+    """`low_pass` of a long signal, to the bit, ``ROWS`` samples at a time, from the states of both passes between them.
+
+    read: gives the samples (n, channels) from one to another, of so many.
+    """
+    sections, pad = _filter(count, rate, "lowpass", cut_off, 2)
+    at_rest = scipy.signal.sosfilt_zi(sections)[..., None]
+    edges = [*range(0, count, ROWS), count]
+    first, last, parts = read(0, pad + 1), read(count - pad - 1, count), len(edges) - 1
+    before, after = 2.0 * first[:1] - first[:0:-1], 2.0 * last[-1:] - last[-2::-1]
+
+    def forward(k: int) -> tuple[Array, Array]:
+        signal = read(edges[k], edges[k + 1])
+        signal = np.concatenate([*[before] * (k == 0), signal, *[after] * (k == parts - 1)])
+        return scipy.signal.sosfilt(sections, signal, axis=0, zi=ahead[k])  # type: ignore[no-any-return]
+
+    def backward(k: int) -> tuple[Array, Array]:
+        return scipy.signal.sosfilt(sections, forward(k)[0][::-1], axis=0, zi=behind[k + 1])  # type: ignore[no-any-return]
+
+    ahead = {0: at_rest * before[:1]}
+    for k in range(parts):
+        passed, ahead[k + 1] = forward(k)
+    behind = {parts: at_rest * passed[-1:]}
+    for k in range(parts - 1, 0, -1):
+        behind[k] = backward(k)[1]
+    return (backward(k)[0][::-1][pad * (k == 0) :][: edges[k + 1] - edges[k]] for k in range(parts))
+
+
 def _filtered(signal: Array, rate: float, kind: str, cut_off: float, order: int) -> Array:
-    """Both passes of a Butterworth filter of that order each: gain 1/(1 + (sqrt 2 - 1) w^(2 order)), w = f/cut_off."""
+    sections, pad = _filter(signal.shape[0], rate, kind, cut_off, order)
+    return np.asarray(scipy.signal.sosfiltfilt(sections, signal, axis=0, padlen=pad))
+
+
+def _filter(count: int, rate: float, kind: str, cut_off: float, order: int) -> tuple[Array, int]:
+    """Sections of either pass of a Butterworth filter of that order each, and how many samples continue a signal:
+    gain of both 1/(1 + (sqrt 2 - 1) w^(2 order)), w = f/cut_off."""
     if not 0.0 < cut_off < 0.45 * rate:
         raise InputError(
             f"a filter at {cut_off:g} Hz needs more than {cut_off / 0.45:.3g} samples a second; the result has "
@@ -65,9 +100,8 @@ def _filtered(signal: Array, rate: float, kind: str, cut_off: float, order: int)
     factor = (2.0**0.5 - 1.0) ** (-0.5 / order)
     factor = factor if kind == "lowpass" else 1.0 / factor
     corner = rate / pi * atan(factor * tan(pi * cut_off / rate))
-    pad = min(int(3.0 * rate / cut_off), signal.shape[0] - 2)
-    sections = scipy.signal.butter(order, corner, kind, fs=rate, output="sos")
-    return np.asarray(scipy.signal.sosfiltfilt(sections, signal, axis=0, padlen=pad))
+    pad = min(int(3.0 * rate / cut_off), count - 2)
+    return scipy.signal.butter(order, corner, kind, fs=rate, output="sos"), pad
 
 
 def windows(distance: Array, length: float, step: float) -> Array:
@@ -80,9 +114,47 @@ def windows(distance: Array, length: float, step: float) -> Array:
 
 def sliding_mean(distance: Array, signal: Array, middles: Array, length: float) -> Array:
     """Mean of a signal (n, ...) over windows of ``length`` [m] about ``middles``: (windows, ...)."""
-    slope = np.diff(signal, axis=0) / np.diff(distance).reshape(-1, *(1,) * (signal.ndim - 1))
-    integral = scipy.interpolate.PPoly(np.array([slope, signal[:-1]]), distance).antiderivative()
-    return np.asarray((integral(middles + 0.5 * length) - integral(middles - 0.5 * length)) / length)
+    return _mean(distance, signal, _integral(distance, signal, np.zeros_like(signal[:1])), middles, length)
+
+
+def _integral(distance: Array, signal: Array, start: Array) -> Array:
+    """Integral of a signal (n, ...) over distance up to each sample; start: up to the first one (1, ...)."""
+    step = np.diff(distance).reshape(-1, *(1,) * (signal.ndim - 1))
+    rises = 0.5 * (np.diff(signal, axis=0) / step)
+    terms = np.stack([signal[:-1] * step, rises * (step * step)], axis=1).reshape(-1, *signal.shape[1:])
+    return np.asarray(np.cumsum(np.concatenate([start, terms]), axis=0)[::2])
+
+
+def _mean(distance: Array, signal: Array, integral: Array, middles: Array, length: float) -> Array:
+    def up_to(places: Array) -> Array:
+        i = np.clip(np.searchsorted(distance, places, "right") - 1, 0, distance.size - 2)
+        shape = -1, *(1,) * (signal.ndim - 1)
+        step, rest = (distance[i + 1] - distance[i]).reshape(shape), (places - distance[i]).reshape(shape)
+        return np.asarray(integral[i] + signal[i] * rest + 0.5 * ((signal[i + 1] - signal[i]) / step) * (rest * rest))
+
+    return (up_to(middles + 0.5 * length) - up_to(middles - 0.5 * length)) / length
+
+
+def means_about(distance: Array, parts: Iterable[Array], length: float) -> Iterator[tuple[int, Array]]:
+    """The `sliding_mean` about each sample of a signal that comes in parts, to the bit, as soon as its window is there;
+    with the first of these samples. Not-a-number less than half a window from the ends."""
+    half, first, done = 0.5 * length, 0, 0
+    signal, start = np.zeros((0, 0)), np.zeros((0, 0))
+    for part in parts:
+        signal = np.concatenate([signal, part]) if signal.size else part
+        start = start if start.size else np.zeros_like(part[:1])
+        places = distance[first : first + len(signal)]
+        integral = _integral(places, signal, start)
+        last = first + len(signal) == len(distance)
+        ready = len(distance) if last else first + int((places + half <= places[-1]).sum())
+        middles = distance[done:ready]
+        inside = (middles >= distance[0] + half) & (middles <= distance[-1] - half)
+        means = np.full((len(middles), *signal.shape[1:]), np.nan)
+        means[inside] = _mean(places, signal, integral, middles[inside], length)
+        yield done, means
+        done = max(ready, done)
+        drop = max(int(np.searchsorted(places, distance[min(done, len(distance) - 1)] - half, "right")) - 1, 0)
+        first, signal, start = first + drop, signal[drop:], integral[drop : drop + 1]
 
 
 def sliding_rms(distance: Array, signal: Array, middles: Array, length: float) -> Array:

@@ -40,6 +40,7 @@ _CHECKED = b"wrsim CRC-32"  # bytes before the checksum of all that comes before
 _PIECE = 1 << 20  # bytes of a file that are read at once
 CHUNK = 1 << 18
 """Bytes of a variable that are packed together. The library holds as many of every variable of an open file."""
+PART = 16 * CHUNK  # bytes of a variable that are in memory at once while all of it is read or written
 PACKED = 250
 """Largest ratio of a dataset to its file. Runs have 2, with four wheelsets at rest 150; files made to harm 1030."""
 
@@ -183,7 +184,19 @@ def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:
         target.set_auto_maskandscale(False)
         made.append((target, variable, of_words))
     for target, variable, of_words in made:
-        target[...] = variable.values.astype(object) if of_words else variable.values
+        if not variable.ndim:
+            target[...] = variable.values
+        for begin, part in parts_of(variable):
+            target[begin : begin + len(part)] = part.astype(object) if of_words else part
+
+
+def parts_of(variable: Any) -> Iterator[tuple[int, NDArray[Any]]]:
+    """The numbers of an array or a variable of a file, whole chunks along the first dimension at a time, each part with
+    where it begins."""
+    row = variable.dtype.itemsize * math.prod(variable.shape[1:])
+    rows = PART // CHUNK * max(CHUNK // max(row, 1), 1)
+    for begin in range(0, variable.shape[0] if variable.ndim else 0, rows):
+        yield begin, np.asarray(variable[begin : begin + rows])
 
 
 def _chunk(variable: xr.Variable) -> tuple[int, ...]:

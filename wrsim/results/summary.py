@@ -4,8 +4,9 @@ Units are in the keys. Raw peaks are those of samples; beside them are those of 
 2 m, the evaluation of EN 14363 without its percentiles.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import tee
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from wrsim.inputs.file_kinds import resolved
 from wrsim.register import ANALYSES
 from wrsim.results.channels import CHANNELS
 from wrsim.results.dataset import COUNTS
+from wrsim.results.netcdf import parts_of
 from wrsim.results.table import finite, quantity
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -121,13 +123,14 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
         for name in ("alignment", "structure", "cant", "irregularities", "train")
         if name in attributes
     }
-    summary |= resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset) | _remarks(dataset)
+    summary |= resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset)
+    summary |= _remarks(dataset, summary.get("energy"))
     names = (name for name in attributes if name.endswith("_version") and name != "format_version")
     return summary | {"versions": {name.removesuffix("_version"): attributes[name] for name in names}}
 
 
-def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
-    """Remarks on contacts of solved samples and on limit cycles, by the sample."""
+def _remarks(dataset: xr.Dataset, balance: Mapping[str, float] | None) -> dict[str, Any]:
+    """Remarks on contacts of solved samples and on limit cycles, by the sample, and on what became of the energy."""
     remarks_at: list[tuple[str, str]] = []
     if "contact_remark" in dataset:
         (sample,) = dataset["contact_remark"].dims
@@ -137,10 +140,9 @@ def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
         held = zip((3.6 * dataset["cycle_speed"].values).tolist(), dataset["cycle_branch"].values, strict=True)
         places = [f"{quantity(speed, 'km/h', '.5g')} {branch}" for speed, branch in held]
         remarks_at += zip(places, dataset["cycle_remark"].values.tolist(), strict=True)
-    if "kinetic_energy" in dataset and not dataset.sizes.get("external_load"):  # nobody counts what loads do
-        parts = energy(dataset)
-        rest, signs = parts["left_over_kJ"], {"work": 1.0, "gained": -1.0}
-        put_in = sum(max(signs.get(key.split("_")[0], 0.0) * value, 0.0) for key, value in parts.items())
+    if balance and not dataset.sizes.get("external_load"):  # nobody counts what loads do
+        rest, signs = balance["left_over_kJ"], {"work": 1.0, "gained": -1.0}
+        put_in = sum(max(signs.get(key.split("_")[0], 0.0) * value, 0.0) for key, value in balance.items())
         if put_in > LEAST_ENERGY and abs(rest) > LEFT_OVER * put_in:
             words = f"{100.0 * rest / put_in:.3g} % of what was put in is not accounted for"
             remarks_at.append(("energy", f"{words}: steps do not resolve the motion, or rails and contacts take it"))
@@ -200,7 +202,14 @@ def energy(dataset: xr.Dataset) -> dict[str, float]:
     time = dataset["time"].values
 
     def over_time(power: str) -> float:
-        return 1e-3 * float(np.trapezoid(dataset[power].values, time))
+        areas, before = np.zeros(time.size), np.nan  # their sum over all is that of numpy's trapezoid to the bit
+        for begin, part in parts_of(dataset.variables[power]):
+            end = begin + len(part)
+            areas[begin:end] = np.diff(time[begin:end], prepend=time[max(begin - 1, 0)])
+            areas[begin:end] *= part + np.concatenate([[before], part[:-1]])
+            areas[begin:end] /= 2.0
+            before = part[-1]
+        return 1e-3 * float(areas[1:].sum())
 
     changes = {
         "work_of_pull_kJ": over_time("pull_power"),
@@ -221,12 +230,8 @@ counts as much: 10 kN at 100 mm."""
 
 def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
     always = ("lateral_shift", "yaw")
-    peaks: dict[str, Any] = {
-        key: peak(signals, kind)
-        for key, kind, signals in _signals(one, OF_WHEELSET)
-        if kind.channel in one or kind.channel in always
-    }
-    peaks["wheels"] = wheel_peaks(one)
+    wheels = _peaks(one, {key: kind for key, kind in OF_WHEELSET.items() if kind.channel in (*one, *always)})
+    peaks: dict[str, Any] = {**wheels.pop(""), "wheels": wheels}
     if "time" in one.dims:
         peaks["full_curves"] = full_curves(one)
     return peaks
@@ -234,65 +239,116 @@ def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
 
 def wheel_peaks(one: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Peaks of the wheels of one wheelset, by wheel and name."""
-    wheels = map(str, one["wheel"].values)
-    peaks = [each for each in _signals(one, PEAKS) if each[1].channel != "temperature" or "temperature" in one]
-    return {wheel: {key: peak(signals, kind, wheel) for key, kind, signals in peaks} for wheel in wheels}
+    return {wheel: peaks for wheel, peaks in _peaks(one, {}).items() if wheel}
 
 
-def _signals(one: xr.Dataset, peaks: Mapping[str, Peak]) -> list[tuple[str, Peak, xr.Dataset]]:
-    """Peaks with the dataset that each is of; filtered ones only where forces can be filtered."""
-    smooth = filtered(one)
-    pairs = ((key, kind, smooth if kind.filtered else one) for key, kind in peaks.items())
-    return [(key, kind, signals) for key, kind, signals in pairs if signals is not None]
+def _peaks(one: xr.Dataset, of_wheelset: Mapping[str, Peak]) -> dict[str, dict[str, Any]]:
+    """Peaks of the wheels of one wheelset by wheel, and of itself by ""; filtered ones where forces can be filtered."""
+    of_wheel = {key: kind for key, kind in PEAKS.items() if kind.channel != "temperature" or "temperature" in one}
+    smooth, sides = filtered(one), {str(wheel): side for side, wheel in enumerate(one["wheel"].values)}
+    kinds = {
+        (name, key): kind
+        for name in ("", *sides)
+        for key, kind in (of_wheel if name else of_wheelset).items()
+        if smooth is not None or not kind.filtered
+    }
+    raw, slow = (
+        {place: (kind, sides.get(place[0])) for place, kind in kinds.items() if kind.filtered is wanted}
+        for wanted in (False, True)
+    )
+    extremes = _extremes(_parts(one, raw.values()), raw) | _extremes(smooth or (), slow)
+    peaks: dict[str, dict[str, Any]] = {name: {} for name in ("", *sides)}
+    for (name, key), kind in kinds.items():
+        peaks[name][key] = _entry(one, kind, extremes.get((name, key)))
+    return peaks
+
+
+Part = tuple[str, int, NDArray[Any]]
+"""Name of a channel, the sample that a part of it begins with, that part."""
+Sided = tuple[Peak, int | None]
+"""A peak, and of which wheel."""
+Extreme = tuple[float, Any, tuple[int, ...]]
+"""Rank and value of a peak, its first place: sample, patch if any."""
+RANKS: dict[str, Callable[[Any], Any]] = {"magnitude": np.abs, "least": np.negative, "largest": np.positive}
+
+
+def _parts(dataset: xr.Dataset, kinds: Iterable[Sided]) -> Iterator[Part]:
+    for name in dict.fromkeys(kind.channel for kind, _ in kinds):
+        if name in dataset.variables:
+            yield from ((name, *part) for part in parts_of(dataset.variables[name]))
+
+
+def _extremes(parts: Iterable[Part], kinds: Mapping[Any, Sided]) -> dict[Any, Extreme]:
+    """Peaks with a finite value, by their keys."""
+    extremes: dict[Any, Extreme] = {}
+    for name, begin, part in parts:
+        for key, (kind, side) in kinds.items():
+            if kind.channel != name or not part.size:
+                continue
+            values = part if side is None else part[:, side]
+            ranks = np.where(np.isfinite(values), RANKS[kind.which](values), -np.inf)
+            place = np.unravel_index(np.argmax(ranks), ranks.shape)
+            if ranks[place] > (extremes[key][0] if key in extremes else -np.inf):
+                extremes[key] = ranks[place], values[place], (begin + int(place[0]), *map(int, place[1:]))
+    return extremes
 
 
 LOW_PASS, WINDOW = 20.0, 2.0
 """Filters of EN 14363: low-pass of forces [Hz], length of the sliding mean of ΣY and Y/Q [m]."""
 
 
-def filtered(one: xr.Dataset) -> xr.Dataset | None:
-    """Y and Q of a wheelset below LOW_PASS, ΣY and Y/Q of these as means over WINDOW about each sample: not a number
-    less than half a window from the ends, and of Y/Q where a wheel has no load. None of poses, and where samples are
-    too few, too slow or uneven."""
+def filtered(one: xr.Dataset) -> Iterator[Part] | None:
+    """Y and Q of a wheelset below LOW_PASS, ΣY and Y/Q of these as means over WINDOW about each sample, in parts: not a
+    number less than half a window from the ends, and of Y/Q where a wheel has no load. None of poses, and where samples
+    are too few, too slow or uneven."""
     if "time" not in one.dims or not {"Y", "Q", "wheel", "distance"} <= {*one.variables} or one.sizes["wheel"] < 2:
         return None
     from wrsim.results import filters  # scipy's take half a second
 
     raster = filters.on_raster(one)
-    try:
-        rate = filters.sampling_rate(raster["time"].values)
-        y, q = (filters.low_pass(raster[name].transpose("time", "wheel").values, rate, LOW_PASS) for name in ("Y", "Q"))
-    except InputError:
-        return None
+    forces = [raster.variables[name].transpose("time", "wheel") for name in ("Y", "Q")]
     place = raster["distance"].values
     if not (np.diff(place) > 0.0).all():
         return None
-    inside = (place >= place[0] + 0.5 * WINDOW) & (place <= place[-1] - 0.5 * WINDOW)
-    free = q <= 0.0
-    slid = np.column_stack([y[:, 0] - y[:, 1], np.where(free, 0.0, y / np.where(free, 1.0, q)), free])
-    means = np.full(slid.shape, np.nan)
-    means[inside] = filters.sliding_mean(place, slid, place[inside], WINDOW)
-    quotient = np.where(means[:, 3:] > 1e-12, np.nan, means[:, 1:3])
-    wheels = {name: (("time", "wheel"), values) for name, values in (("Y", y), ("Q", q), ("Y_over_Q", quotient))}
-    return xr.Dataset(wheels | {"sum_Y": ("time", means[:, 0])}, raster.coords)
+
+    def slid(part: NDArray[Any]) -> NDArray[Any]:
+        y, q = part[:, :2], part[:, 2:]
+        free = q <= 0.0
+        return np.column_stack([y[:, 0] - y[:, 1], np.where(free, 0.0, y / np.where(free, 1.0, q)), free])
+
+    try:
+        smooth, copies = tee(
+            filters.low_passed(
+                lambda first, last: np.concatenate([force[first:last].values for force in forces], axis=1),
+                place.size, filters.sampling_rate(raster["time"].values), LOW_PASS,
+            )
+        )  # fmt: skip
+    except InputError:
+        return None
+    means = filters.means_about(place, map(slid, copies), WINDOW)
+
+    def parts() -> Iterator[Part]:
+        begin = 0
+        for part, (first, mean) in zip(smooth, means, strict=True):
+            yield from (("Y", begin, part[:, :2]), ("Q", begin, part[:, 2:]), ("sum_Y", first, mean[:, 0]))
+            yield "Y_over_Q", first, np.where(mean[:, 3:] > 1e-12, np.nan, mean[:, 1:3])
+            begin += len(part)
+
+    return parts()
 
 
-def peak(dataset: xr.Dataset, of: Peak, wheel: str | None = None) -> dict[str, Any] | None:
-    """A peak in units for readers, and where: its sample, and patch if any. ``None`` without a finite value."""
-    if of.channel not in dataset:
+def peak(dataset: xr.Dataset, kind: Peak) -> dict[str, Any] | None:
+    """A peak in units for readers, and where: its sample. ``None`` without a finite value."""
+    sided = {"": (kind, None)}
+    return _entry(dataset, kind, _extremes(_parts(dataset, sided.values()), sided).get(""))
+
+
+def _entry(dataset: xr.Dataset, kind: Peak, extreme: Extreme | None) -> dict[str, Any] | None:
+    if extreme is None:
         return None
-    data = dataset.variables[of.channel]  # without labels, which take most of the time
-    if wheel is not None:
-        data = data.isel(wheel=int(np.flatnonzero(dataset.variables["wheel"].values == wheel)[0]))
-    values = data.values.reshape(data.shape[0], int(np.prod(data.shape[1:])))
-    known = np.isfinite(values)
-    if not known.any():
-        return None
-    rank = {"magnitude": np.abs, "least": np.negative, "largest": np.positive}[of.which](values)
-    index = np.unravel_index(np.argmax(np.where(known, rank, -np.inf)), values.shape)
-    entry = {"value": finite(values[index], CHANNELS[of.channel].shown.factor)}
-    patch = {"patch": int(index[1])} if data.dims[1:] == ("patch",) else {}
-    return entry | _place(dataset, int(index[0])) | patch
+    _, value, (sample, *patch) = extreme
+    entry = {"value": finite(value, CHANNELS[kind.channel].shown.factor)} | _place(dataset, sample)
+    return entry | ({"patch": patch[0]} if patch else {})
 
 
 def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
@@ -301,7 +357,7 @@ def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
     if "curvature" not in dataset or dataset.sizes["time"] < _SHORTEST:
         return []
     curves, distance = [], dataset["distance"].values
-    for first, last in _constant_stretches(distance, dataset["curvature"].values):
+    for first, last in _constant_stretches(distance, dataset.variables["curvature"]):
         part = dataset.isel(time=slice((first + last) // 2, last + 1))
         curve: dict[str, Any] = {"from_m": float(distance[first]), "to_m": float(distance[last])}
         curve["radius_m"] = 1.0 / float(np.median(part["curvature"]))
@@ -318,14 +374,19 @@ def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
     return curves
 
 
-def _constant_stretches(distance: NDArray[Any], curvature: NDArray[Any]) -> list[tuple[int, int]]:
+def _constant_stretches(distance: NDArray[Any], curvature: xr.Variable) -> list[tuple[int, int]]:
     """First and last sample of every stretch of constant, non-zero curvature."""
-    scale = np.nanmax(np.abs(curvature), initial=0.0)
+    scale = max(float(np.nanmax(np.abs(part), initial=0.0)) for _, part in parts_of(curvature))
     if not scale > 0.0:
         return []
-    change = np.abs(np.diff(curvature)) <= _STEADY * scale * np.maximum(np.abs(np.diff(distance)), 1e-3)
-    steady = change & (np.abs(curvature[1:]) > 1e-3 * scale)
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], steady.astype(int), [0]))))
+    steady, before = np.zeros(distance.size + 1, dtype=bool), np.nan  # no stretch goes over either end
+    for begin, part in parts_of(curvature):
+        end = begin + len(part)
+        step = np.diff(distance[begin:end], prepend=distance[max(begin - 1, 0)])
+        change = np.abs(np.diff(part, prepend=before)) <= _STEADY * scale * np.maximum(np.abs(step), 1e-3)
+        steady[begin:end] = change & (np.abs(part) > 1e-3 * scale)
+        before = part[-1]
+    edges = np.flatnonzero(np.diff(steady))
     pairs = zip(edges[::2], edges[1::2], strict=True)
     return [(int(first), int(last)) for first, last in pairs if last - first + 1 >= _SHORTEST]
 

@@ -1,12 +1,14 @@
 """Channels from sampled states: bodies, points, frames, the track under a wheelset, energies, couplings."""
 
 from collections.abc import Mapping, Sequence
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
 from wrsim.inputs.section import SIDES
 from wrsim.jit.frames import BODY
+from wrsim.results.netcdf import parts_of
 from wrsim.simulation.bodies import accelerations, inertia_table
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
@@ -155,9 +157,10 @@ def bent_channels(
         nodes, left, right = rails.peak[3 + law.size :].reshape(3, -1)
         deflections |= {"bent_place": nodes, "bent_rail": np.stack([left, right], axis=1)}
     else:
-        forces = np.asarray(channels["Q"])
-        sample, number = divmod(int(np.argmax(forces)), forces[0].size)
-        place, q = np.asarray(channels["wheelset_distance"])[sample, number // 2], motion.q[sample]
+        each = ((begin, int(np.argmax(part)), part) for begin, part in parts_of(channels["Q"]))
+        largest = ((part.flat[at], begin, *divmod(at, part[0].size)) for begin, at, part in each)
+        _, begin, row, number = max(largest, key=itemgetter(0))
+        place, q = np.asarray(channels["wheelset_distance"][begin + row])[number // 2], motion.q[begin + row]
     if deck is not None and rails is None:
         down = deck.shapes[..., 0] @ q[law.of_deck]
         along = deck.start + deck.step * np.arange(len(down))

@@ -2,8 +2,9 @@
 Strips are stored at chosen places and at the largest Y/Q of each wheel.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from wrsim.contact.wear.losses import ZONES, Losses, ways
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
 from wrsim.results.channels import BOGIE_FRAME
+from wrsim.results.netcdf import parts_of
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import Motion
@@ -46,30 +48,23 @@ def result_of(
     samples = samples or Samples(setup, law, len(motion.times), folder, losses)
     motion = _taken(samples, motion)
     channels = samples.channels()
-    channels["distance"] = reference = np.asarray(channels["distance"])
+    reference = np.asarray(channels["distance"])
     if (
         law.on_sleepers is not None and len(law.of_deck) and len(motion.times) > 1
     ):  # forces on a bridge are those of a step
         channels |= states.deck_channels(law, motion.q, np.gradient(motion.q_t[:, law.of_deck], motion.times, axis=0))
     shapes, bent = states.bent_channels(law, motion, channels)
     channels |= shapes
-    if law.driven:
-        from scipy.integrate import cumulative_trapezoid  # some 40 ms to import, for drives alone
-
-        channels["drive_work"] = cumulative_trapezoid(channels["drive_power"], motion.times, axis=0, initial=0.0)
-    y, q = np.asarray(channels["Y"]), np.asarray(channels["Q"])
-    quotient = np.divide(y, q, out=np.full(q.shape, -np.inf), where=q > 1.0).max(axis=1)
-    snapshots = choose_snapshots(setup, reference, quotient, motion.status == "stopped")
+    snapshots = choose_snapshots(setup, reference, _largest_quotients(channels), motion.status == "stopped")
     strips = [StripRecorder(pair) for pair in law.wheels]
     out = np.zeros(law.size)
     for sample in snapshots:
-        law.set_search_start(law.places(np.asarray(channels["wheelset_distance"])[sample]))
+        law.set_search_start(law.places(np.asarray(channels["wheelset_distance"][sample])))
         law(motion.times[sample], motion.q[sample], motion.q_t[sample], out)
         for recorder, elements in zip(strips, law.elements_of_contacts(), strict=True):
             recorder.store(elements)
     shown = np.array(list(snapshots), dtype=int)
     channels |= {
-        "speed": np.linalg.norm(motion.q_t[:, 6 * vehicle.reference :][:, :3], axis=1),
         "snapshot_time": motion.times[shown],
         "snapshot_distance": reference[shown],
         "snapshot_label": np.array(list(snapshots.values())),
@@ -151,25 +146,32 @@ def _attributes(setup: Setup[RunPlan], motion: Motion, distance: Array) -> dict[
     return attributes
 
 
-def choose_snapshots(setup: Setup[RunPlan], distance: Array, quotient: Array, stopped: bool) -> dict[int, str]:
-    """Samples whose strips are stored, and why: chosen distances, the largest Y/Q of either side, the stop if any.
+def _largest_quotients(channels: Mapping[str, Any]) -> list[tuple[float, int]]:
+    """Largest Y/Q of all wheels of either side, and its sample; minus infinity where no wheel had a load."""
+    largest = [(-np.inf, 0)] * 2
+    for (begin, y), (_, q) in zip(parts_of(channels["Y"]), parts_of(channels["Q"]), strict=True):
+        quotient = np.divide(y, q, out=np.full(q.shape, -np.inf), where=q > 1.0).max(axis=1)
+        of_part = [(float(column.max()), begin + int(np.argmax(column))) for column in quotient.T]
+        largest = [max(pair, key=itemgetter(0)) for pair in zip(largest, of_part, strict=True)]
+    return largest
 
-    quotient: largest Y/Q of all wheelsets (samples, 2), minus infinity where no wheel has a load.
-    """
+
+def choose_snapshots(
+    setup: Setup[RunPlan], distance: Array, largest: Sequence[tuple[float, int]], stopped: bool
+) -> dict[int, str]:
+    """Samples whose strips are stored, and why: chosen distances, the largest Y/Q of either side with its sample (minus
+    infinity: there is none), the stop if any."""
     chosen = {
         int(np.argmin(np.abs(distance - place))): f"at {place:g} m"
         for place in setup.plan.patches_at
         if distance[0] - 0.5 <= place <= distance[-1] + 0.5
     }
-    peaks = [int(np.argmax(quotient[:, side])) for side in (0, 1)]
-    if abs(distance[peaks[0]] - distance[peaks[1]]) < NEAR:
-        side = int(quotient[peaks[1], 1] > quotient[peaks[0], 0])
-        labels = {peaks[side]: "largest Y/Q"}
-    else:
-        labels = {peak: f"largest Y/Q, {name}" for peak, name in zip(peaks, ("left", "right"), strict=True)}
-    for peak, label in labels.items():
-        if np.isfinite(quotient[peak]).any():
-            chosen.setdefault(peak, label)
+    peaks = [(*each, f", {name}") for each, name in zip(largest, ("left", "right"), strict=True)]
+    if abs(distance[peaks[0][1]] - distance[peaks[1][1]]) < NEAR:
+        peaks = [(*max(largest, key=itemgetter(0)), "")]
+    for quotient, peak, side in peaks:
+        if np.isfinite(quotient):
+            chosen.setdefault(peak, f"largest Y/Q{side}")
     if stopped or not chosen:
         chosen.setdefault(len(distance) - 1, "at the stop" if stopped else "end")
     return dict(sorted(chosen.items()))

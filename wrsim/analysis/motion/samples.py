@@ -50,6 +50,8 @@ class Samples:
         differ."""
         self.setup, self.law, self.losses, self.sampled = setup, law, losses, sampled
         self.taken, self.lost, self._waiting = 0, "", 0
+        self._driven: tuple[float, Array, Array] | None = None
+        """Time [s], power [W] of drives and their work so far [J] at the last sample."""
         self._fast = () if sampled is None else ("distance", *setup.plan.fast_channels)
         self._stored = Channels(room, folder)
         self._forces = SampledForces(law, STRIPS_BLOCK if losses else BLOCK, losses is not None)
@@ -128,6 +130,15 @@ class Samples:
         self._stored.put(slice(begin, begin + n), {name: typed(name, values) for name, values in channels.items()})
         self._waiting = 0
 
+    def _work_up_to(self, times: Array, power: Array) -> Array:
+        """Work of drives (samples, axles) up to each sample of a block, by trapezes."""
+        before, last, work = self._driven or (times[0], power[0], 0.0 * power[0])
+        powers = np.concatenate([[last], power])
+        steps = np.diff(times, prepend=before)[:, None] * (powers[1:] + powers[:-1]) / 2.0
+        works = np.cumsum(np.concatenate([[work], steps]), axis=0)[1:]
+        self._driven = times[-1], power[-1].copy(), works[-1]
+        return np.asarray(works)
+
     def _of_block(self, n: int) -> dict[str, Array]:
         """Channels of the n samples that wait, the sample first."""
         setup, law, known = self.setup, self.law, self._forces
@@ -160,7 +171,9 @@ class Samples:
                 channels |= fatigue_channels(channels, patch_wear_numbers(raw), shear_yield)
             of_wheelsets.append(channels)
         stacked = stack_wheelsets(of_wheelsets)
-        stacked |= {"distance": units["s"][:, 0], "drive_force": units["force"].sum(axis=1)}
+        reference = q_t[:, 6 * vehicle.reference :][:, :3]
+        stacked |= {"distance": units["s"][:, 0], "speed": np.linalg.norm(reference, axis=1)}
+        stacked["drive_force"] = units["force"].sum(axis=1)
         stacked |= states.guide_channels(law, times, records)
         stacked |= states.deck_channels(law, q, forces[:, law.of_deck])
         if law.twists:
@@ -168,6 +181,7 @@ class Samples:
         if law.driven:
             moment, power = axles["moment"], axles["power"]
             stacked |= {"drive_moment": moment, "drive_power": power, "axle_creepage": -axles["slip"] / axles["speed"]}
+            stacked["drive_work"] = self._work_up_to(times, power)
             if law.gears:
                 stacked["shaft_moment"] = axles["shaft"]
         if vehicle.bodies:
