@@ -22,8 +22,10 @@ from wrsim.recording.dropouts import bridged, codes, spikes
 from wrsim.recording.names import guessed
 from wrsim.recording.reading import recording_from
 from wrsim.recording.restoring import Restored, restore
+from wrsim.recording.scenario_file import track_file
 from wrsim.recording.systems import BaseDifference, Chord, Inertial, InverseFilter, Plain, band_window, filtered
 from wrsim.scenario.build import build
+from wrsim.track.cant import Pivot
 from wrsim.track.segments import Segment
 from wrsim.track.spectra import Realisation
 
@@ -127,12 +129,12 @@ def shipped_line() -> tuple[Car, dict[str, Array]]:
 
 
 @cache
-def line(spectrum: str = "ERRI-low") -> Track:
+def line(spectrum: str = "ERRI-low", pivot: Pivot = "centre line") -> Track:
     """Curves of both hands and forms, with the spectrum's waves of 3 to 70 m; the rails' tops 1.5 m apart, where cant
     counts."""
     uneven = Realisation(spectrum, 7, 3.0, 70.0, 0.0, sum(s.length for s in LINE), 1.0, 20.0).disturbances()
     apart = (0.0325, 0.0)
-    return Track.build(LINE, irregularities=uneven, left_offset=apart, right_offset=apart)
+    return Track.build(LINE, irregularities=uneven, left_offset=apart, right_offset=apart, pivot=pivot)
 
 
 @cache
@@ -146,9 +148,9 @@ def versines(car: Car, behind: float, ahead: float) -> dict[str, Array]:
     return {f"{kind}_{side}_mm": both[side][i] for i, kind in enumerate(("alignment", "level")) for side in both}
 
 
-def column_map(path: Path, names: list[str], system: str) -> Path:
+def column_map(path: Path, names: list[str], system: str, head: str = "") -> Path:
     """A column map for columns that are called as what they are."""
-    text = ""
+    text = head
     for name in ["distance_m", *names]:
         quantity = name.removesuffix("_mm").removesuffix("_m").removesuffix("_per_km")
         text += f'[[channels]]\ncolumn = "{name}"\nquantity = "{quantity}"\n'
@@ -158,10 +160,11 @@ def column_map(path: Path, names: list[str], system: str) -> Path:
     return path
 
 
-def restored(folder: Path, car: Car, columns: dict[str, Array], system: str) -> Restored:
-    """What comes back of a car's columns."""
+def restored(folder: Path, car: Car, columns: dict[str, Array], system: str, head: str = "") -> Restored:
+    """What comes back of a car's columns; head: of the column map."""
     table = car.write(folder / "line.csv", columns)
-    return restore(recording_from(table, column_map(folder / "line.toml", list(columns), system)), BAND, AMPLIFICATION)
+    columns_file = column_map(folder / "line.toml", list(columns), system, head)
+    return restore(recording_from(table, columns_file), BAND, AMPLIFICATION)
 
 
 def in_band(values: Array, step: float, *, without: tuple[float, float] | None = None) -> Array:
@@ -200,6 +203,15 @@ def by_chord(car: Car, tmp_path_factory: pytest.TempPathFactory) -> Restored:
 
 def test_a_track_measured_by_a_chord_comes_back_within_a_tenth_of_a_millimetre(by_chord: Restored, car: Car) -> None:
     assert errors(by_chord, car) < 0.1e-3
+
+
+def test_level_is_freed_of_ramps_about_the_pivot_of_their_cant(tmp_path: Path) -> None:
+    car = Car(line(pivot="low rail"))
+    columns = geometry(car) | versines(car, 4.0, 6.0)
+    found = restored(tmp_path, car, columns, "chord_m = [4, 6]", 'pivot = "low rail"\n')
+    assert errors(found, car) < 0.2e-3  # the outer rail has the whole ramp, about the centre line half of it
+    assert 'pivot = "low rail"' in track_file(found, "2026-01-31")
+    assert errors(restored(tmp_path, car, columns, "chord_m = [4, 6]"), car) > 0.8e-3
 
 
 def test_on_rough_track_design_and_what_is_left_together_come_back(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.us_units import FOOT
 from wrsim.inputs.values import List, Two, number, text
 from wrsim.recording.systems import BANDS, BaseDifference, Chord, Inertial, MeasuringSystem, Plain
+from wrsim.track.cant import Pivot
 from wrsim.track.piecewise import Array
 
 Quantity = Literal[
@@ -154,6 +155,8 @@ class ColumnsFile(Section, header="a column map"):
     """Nominal gauge of the line."""
     cant_base_mm: Annotated[float, number(400, 2200, "mm between the rail tops, such as 1500")] | None = None
     """Distance that cant is measured over; left out: the gauge and 65 mm."""
+    pivot: Pivot = "centre line"
+    """What cant turns about, for the height of both rails in ramps of cant."""
     sides: Literal["car", "line"] = "car"
     """Left and right where distances fall: of the car that runs towards 0, or of the line with rising distance."""
     spikes: Literal["bridge", "keep"] = "bridge"

@@ -19,8 +19,8 @@ from wrsim.recording.dropouts import runs
 from wrsim.recording.reading import TrackRecording
 from wrsim.recording.systems import SKIRTS, Chord, Complex, InverseFilter, Plain, ShapeSystem, filtered
 from wrsim.track.cant import cant_angle, cant_base
-from wrsim.track.piecewise import Array
-from wrsim.track.segments import LONGEST, Arc, Laws, Segment, Straight, Transition, laws
+from wrsim.track.piecewise import Array, Piecewise
+from wrsim.track.segments import LONGEST, Arc, Laws, Segment, Straight, Transition, laws, lifted
 from wrsim.track.track import ROUNDING
 
 SIDES = {"_left": 1.0, "_right": -1.0}
@@ -86,7 +86,8 @@ def restore(
     except InputError as error:
         ends = f"{s[0]:g} to {s[-1]:g} m"
         raise InputError(f"{recording.path}: {ends}: no track's design follows from these rows: {error}") from None
-    design = _Design(law.curvature(s), law.cant(s), law.widening(s))
+    _, lift = lifted(law, Piecewise.through(s[[0, -1]], np.zeros(2)), recording.columns.pivot)
+    design = _Design(law.curvature(s), law.cant(s), law.widening(s), np.zeros(s.size) if lift is None else lift(s))
     arcs = [p for p in plateaus if not p.is_straight and abs(p.cant) > 0.01]
     outward = sum(p.cant * p.curvature < 0.0 for p in arcs)
     if 2 * outward > len(arcs):
@@ -110,11 +111,12 @@ def restore(
 
 
 class _Design(NamedTuple):
-    """Curvature [1/m], cant and widening [m] at the rows."""
+    """Curvature [1/m], cant, widening and height of the centre line above the grade line [m] at the rows."""
 
     curvature: Array
     cant: Array
     widening: Array
+    lift: Array
 
 
 @dataclass(frozen=True)
@@ -259,7 +261,7 @@ def _left_by_design(work: _Work, channel: ChannelSection, system: ShapeSystem, r
     roll = cant_angle(design.cant, cant_base(columns.gauge_mm, columns.cant_base_mm))
     if channel.kind == "level":
         up = filtered(design.curvature * np.sin(roll), step, system.of_curvature, reach, held=True)
-        return up + side * filtered(-0.5 * design.cant, step, system.response, reach, held=True)
+        return up + filtered(design.lift - side * 0.5 * design.cant, step, system.response, reach, held=True)
     left = side * filtered(0.5 * design.widening, step, system.response, reach, held=True)
     curve = filtered(design.curvature * np.cos(roll), step, system.of_curvature, reach, held=True)
     if _holds_curve(work, channel, record - left, curve):

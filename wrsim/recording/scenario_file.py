@@ -15,7 +15,7 @@ from wrsim.recording.design import FORMS, Plateau
 from wrsim.recording.reading import recording_from
 from wrsim.recording.restoring import Restored, restore
 from wrsim.recording.tables import LONGEST_BAND
-from wrsim.track.cant import cant_base
+from wrsim.track.cant import PIVOTS, cant_base
 from wrsim.track.irregularities import smooth_step
 from wrsim.track.segments import Arc, Transition
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
@@ -63,6 +63,8 @@ def track_file(restored: Restored, date: str) -> str:
     }
     if recording.columns.cant_base_mm is not None:
         track["cant_base_mm"] = recording.columns.cant_base_mm
+    if recording.columns.pivot != PIVOTS[0]:
+        track["pivot"] = recording.columns.pivot
     track["segments"] = [*_segments(restored)]
     track["irregularities"] = [{"kind": "table", "file": IRREGULARITIES, "fade_m": FALL}]
     name = recording.path.stem
