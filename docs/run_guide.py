@@ -3,16 +3,16 @@
     python docs/run_guide.py [--short | --whole | --write] [PAGE ...]
 
 Lines that call ``wrsim``, ``cp`` or ``mkdir`` count, but those with a word in capitals, which stands for a name, and
-those of LEFT_OUT. Tutorials run as they are, unless --short is given; scenarios of other pages run in a short form,
-without pictures, but for what their lines set themselves. With --short two processes share the pages, and studies have
-the ends of their ranges alone; optimisations and calibrations tell their cost; units and live pages have a step that is
-given and, where they are for all systems, one of these. A line that ends with another exit code than 0, or than those
-of EXPECTED, is an error.
+those of LEFT_OUT; a line on two pages is executed on the first. Tutorials run as they are; scenarios of other pages run
+in a short form, without pictures, but for what their lines set themselves. With --short two processes share the pages,
+and studies of other pages have the ends of their ranges alone; optimisations and calibrations tell their cost; units
+and live pages have a step that is given and, where they are for all systems, one of these. A line that ends with
+another exit code than 0, or than those of EXPECTED, is an error.
 
 Behind a command a page may have what the terminal prints: ``<!-- printed: COMMAND | 1-5 20-24 -->`` and a block of text
-with these lines. Where the page runs as it is, they are compared: words as they are, numbers within 1 % or two units of
-the last digit, so that they hold on other machines. --whole runs pages that are no tutorials as they are too; --write
-does so and writes what is printed.
+with these lines. Such commands run as they are, but for LONG ones, and their blocks on all pages are compared: words as
+they are, numbers within 1 % or two units of the last digit, so that they hold on other machines. --whole runs all lines
+as they are; --write does so and writes what is printed.
 """
 
 from __future__ import annotations
@@ -36,12 +36,15 @@ from wrsim.cli import app
 from wrsim.jit.objects import this_target
 
 ROOT = Path(__file__).parents[1]
-FIRST = ["first_hour", "own_vehicle", "own_track", "own_profile", "acceptance", "own_study"]
+PAGES = [ROOT / "README.md", *(ROOT / "docs" / "user").glob("*.md")]
+FIRST = ["README", "first_hour", "own_vehicle", "own_track", "own_profile", "acceptance", "own_study"]
 """Tutorials, in their order."""
 ALONE = "own_profile"
 """One of them that needs nothing of the others, nor they of it."""
 LEFT_OUT = re.compile(r"\b[A-Z]{3,}\b|--slurm|scenarios/(?:wear|type_test)/|studies/coach_|wrsim warm")
 """A name to be filled in, a cluster, minutes of work."""
+LONG = re.compile(r"scenarios/(?:metro_depot|freight_long_curve|tram_car_r25)|results/freight")
+"""Outputs of runs of a minute each, on a page that is no tutorial: compared with --whole alone."""
 LEFT_OUT_SHORT = re.compile(r"wrsim study \S+crossing_speed")
 """With --short: what prepares the scenario of another line once more, for half a minute."""
 EXPECTED = {"assess": (0, 2), "diff": (0, 4)}
@@ -57,7 +60,7 @@ SHORT = {
 """What a scenario runs with on pages that are no tutorials, by its analysis."""
 PRINTED = re.compile(r"(<!-- printed: (.+?) \| ([\d -]+?) -->\n```text\n)(.*?)(^```)", re.M | re.S)
 """What a page has of the output of a command: head, command, lines, text, end."""
-PROGRESS = re.compile(r"\d+%, .* left$")
+PROGRESS = re.compile(r"\d+%, .* (?:left|expected)$|running$")
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]\d+)?")
 FINE = {"run.distance_m": 0.2, "output.patches_at_m": []}
 """The same of scenarios with a short step of their own."""
@@ -98,9 +101,9 @@ def ends(text: str) -> str:
     return rise.sub(lambda m: f"{m[0].rpartition('step')[0]}step = {float(m[2]) - float(m[1]):g}", text)
 
 
-def shortened(words: list[str], pictures: bool) -> list[str]:
+def shortened(words: list[str]) -> list[str]:
     """The words of ``run FILE`` or ``compare`` with the short form of its scenario, of ``study`` with that of the
-    study, of ``plot`` with a place in it; searches run nothing. pictures: whether runs draw."""
+    study, of ``plot`` with a place in it; searches run nothing."""
     if words[0] in ("optimise", "calibrate"):
         return [*words, "--dry-run"]
     if words[0] == "fmu":  # a step is tried over the whole run, and zig makes the libraries of other systems first
@@ -120,7 +123,7 @@ def shortened(words: list[str], pictures: bool) -> list[str]:
     values = dict(SHORT.get(scenario.analysis, {}))
     values |= FINE if scenario.analysis == "curving" and re.search(r"^step_us\b", scenario.text, re.M) else {}
     values = {key: value for key, value in values.items() if not any(word.startswith(f"{key}=") for word in words)}
-    words = [*words, *(() if pictures else ("--no-pictures",))]
+    words = [*words, "--no-pictures"]
     if re.search(r"^time_s\b", scenario.text, re.M) and values.pop("run.distance_m", None):
         values["run.time_s"] = 0.2  # one of both is allowed
     if words[0] == "compare":  # has no --set
@@ -132,9 +135,8 @@ def shortened(words: list[str], pictures: bool) -> list[str]:
 
 def main(chosen: list[str]) -> int:
     """Execute the pages; returns the number of faults."""
-    pages = sorted((ROOT / "docs" / "user").glob("*.md"), key=lambda p: (p.stem not in FIRST, *_place(p)))
     names = [name for name in chosen if not name.startswith("--")]
-    pages = [page for page in pages if not names or page.stem in names]
+    pages = [page for page in sorted(PAGES, key=_place) if not names or page.stem in names]
     if "--short" not in chosen:
         write = "--write" in chosen
         return faults_of(pages, short=False, whole=write or "--whole" in chosen, write=write)
@@ -163,17 +165,18 @@ def faults_of(pages: list[Path], short: bool, whole: bool = False, write: bool =
     """Execute pages in a folder of their own; returns the number of faults. whole: all of them as they are; write: what
     they print into them."""
     faults, done = 0, set[str]()
+    shown = {block[2] for page in PAGES for block in PRINTED.finditer(page.read_text(encoding="utf-8"))}
     with tempfile.TemporaryDirectory() as folder:
         for name in ("scenarios", "models"):
             shutil.copytree(ROOT / name, Path(folder) / name)
         for page in pages:
             for line in lines(page):
-                if short and (line in done or LEFT_OUT_SHORT.search(line)):  # done: on an earlier page
+                if line in done or (short and LEFT_OUT_SHORT.search(line)):  # done: on an earlier page
                     continue
                 done.add(line)
                 begin = time.perf_counter()
-                as_is = not short and (whole or page.stem in FIRST)
-                code, output = executed(line, Path(folder), as_is or page.stem in FIRST, short)
+                as_is = whole or page.stem in FIRST or (line in shown and not LONG.search(line))
+                code, output = executed(line, Path(folder), as_is)
                 words = shlex.split(line)
                 good = code in EXPECTED.get(words[1], (0,)) if words[0] == "wrsim" else code == 0
                 faults += not good
@@ -182,7 +185,7 @@ def faults_of(pages: list[Path], short: bool, whole: bool = False, write: bool =
                 if not good:
                     print(output[-2000:])
                 elif as_is:
-                    faults += not has_printed(page, line, output, write)
+                    faults += sum(not has_printed(each, line, output, write) for each in PAGES)
     return faults
 
 
@@ -202,19 +205,19 @@ def has_printed(page: Path, line: str, output: str, write: bool) -> bool:
 
 
 def _place(page: Path) -> tuple[int, str]:
-    return (FIRST.index(page.stem) if page.stem in FIRST else 0, page.stem)
+    return (FIRST.index(page.stem) if page.stem in FIRST else len(FIRST), page.stem)
 
 
-def executed(line: str, folder: Path, tutorial: bool, short: bool) -> tuple[int, str]:
-    """Exit code and output of a line in a folder; tutorials run as they are, but for short ones."""
+def executed(line: str, folder: Path, as_is: bool) -> tuple[int, str]:
+    """Exit code and output of a line in a folder; as_is: not in its short form."""
     words = shlex.split(line)
-    if words[:2] == ["wrsim", "study"] and not tutorial and "--dry-run" not in words:
+    if words[:2] == ["wrsim", "study"] and not as_is and "--dry-run" not in words:
         words.append("--dry-run")
     if words[0] != "wrsim":
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
         return done.returncode, done.stderr
     with contextlib.chdir(folder):
-        given = words[1:] if tutorial and not short else shortened(words[1:], tutorial)
+        given = words[1:] if as_is else shortened(words[1:])
         answer = CliRunner().invoke(app, given, env={"COLUMNS": "120"})
     return answer.exit_code, answer.output
 
