@@ -103,7 +103,8 @@ class Comparison:
         if model.name == HERTZ:
             base = _base_of([each.name for each in self.models], self.reference)
             return [f'ellipses at N, contact point and curvatures of "{base}"; no creep forces']
-        return happened(model.result.summary()) + remarks(model.result.summary())
+        summary = model.result.summary()
+        return happened(summary) + remarks(summary)
 
 
 def compare_models(

@@ -85,6 +85,7 @@ def run_scenario(
     """
     from wrsim.analysis import exact_run_warning
     from wrsim.report.output_folder import run_into
+    from wrsim.results.summary_tables import numbers_of
     from wrsim.scenario.build import build
     from wrsim.scenario.plausibility import warnings
 
@@ -106,10 +107,10 @@ def run_scenario(
         "directory": str(directory),
         "files": [str(f) for f in written.files],
         "removed": [str(f) for f in written.removed],
-        "summary": {**result.summary(), **written.took},
+        "summary": {**written.summary, **written.took},
     }
     lines = [written.message] if written.message else []
-    return Outcome(result.numbers(), numbers, written.files, written, code, directory, lines)
+    return Outcome(numbers_of(result.dataset, written.summary), numbers, written.files, written, code, directory, lines)
 
 
 @documented
@@ -121,9 +122,11 @@ def show(result: options.ResultFile) -> Outcome:
     Outcome
         ``value`` is the Result.
     """
+    from wrsim.results.summary_tables import numbers_of
+
     loaded = as_result(result)
-    lines = [f"stopped: {loaded.stop_reason}"] if loaded.stop_reason else []
-    return Outcome(loaded.numbers(), loaded.summary(), value=loaded, lines=lines)
+    lines, summary = [f"stopped: {loaded.stop_reason}"] if loaded.stop_reason else [], loaded.summary()
+    return Outcome(numbers_of(loaded.dataset, summary), summary, value=loaded, lines=lines)
 
 
 @documented
@@ -233,8 +236,8 @@ def resolve(
         )  # fmt: skip
     with claimed(directory, force, paths) as keeper:
         write_atomically(directory / RECORD, after.dataset.attrs["scenario_text"].encode())
-        files = write(after, directory, pictures)
+        summary, files = write(after, directory, pictures)
         keeper.clear(files)
-    notes = first_lines(remarks(after.summary()), "remarks")
+    notes = first_lines(remarks(summary), "remarks")
     tables = [resolved_table(before.wheelset(wheelset), after.wheelset(), notes), *subsurface_tables(after.wheelset())]
-    return Outcome(tables, {"directory": str(directory), "summary": after.summary()}, files, after, folder=directory)
+    return Outcome(tables, {"directory": str(directory), "summary": summary}, files, after, folder=directory)

@@ -56,9 +56,10 @@ def _is_record(directory: Path, scenario: Path | None) -> bool:
     return scenario is not None and record.exists() and record.samefile(scenario)
 
 
-def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
+def write(result: Result, directory: Path, pictures: bool) -> tuple[dict[str, Any], list[Path]]:
     """Numbers first, pictures last: what fails late costs least. A second process begins to draw at once. Only when all
-    files are there has the run's own file done its work, unless the user may want to go on with it."""
+    files are there has the run's own file done its work, unless the user may want to go on with it. Returns the summary
+    and the files."""
     record = directory / RECORD
     if not record.exists():  # somebody has deleted the folder of a run: it is made anew
         write_atomically(record, result.dataset.attrs["scenario_text"].encode())
@@ -70,7 +71,8 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
         drawn = drawing(standard_figures(result.dataset), in_all_kinds)
     with drawn as finish:
         with timed("dataset, summary and tables written"):
-            files = [record, *write_run(result, directory)]
+            summary = result.summary()
+            files = [record, *write_run(result, directory, summary)]
         if further := ANALYSES[result.analysis].further:
             files += resolved(further)(result, directory, pictures)
         with timed("pictures that are left"):
@@ -79,7 +81,7 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
         (directory / PART).unlink(missing_ok=True)
         names = [path.relative_to(directory).as_posix() for path in files]
         Manifest(directory).note(done=result.status, pictures=pictures, files=names)
-    return files
+    return summary, files
 
 
 def can_go_on(result: Result) -> bool:
@@ -149,6 +151,7 @@ class Written(NamedTuple):
     message: these, or why nothing ran; removed: files of an earlier result."""
 
     result: Result
+    summary: dict[str, Any]
     took: dict[str, float]
     message: str
     files: Sequence[Path] = ()
@@ -194,7 +197,7 @@ def run_into(
             same = whole.dataset.attrs["scenario_text"] == scenario.text
             result = whole if same and not can_go_on(whole) else None
         if result is not None and Manifest(directory).is_done(scenario.text, pictures):
-            return Written(result, {}, f"{directory} holds the whole result of this scenario already")
+            return Written(result, result.summary(), {}, f"{directory} holds the whole result of this scenario already")
         if resume and result is None and not record.exists():
             LOGGER.warning("there is no run in %s to resume; it starts from the beginning", directory)
             resume = False
@@ -210,9 +213,9 @@ def run_into(
             wall = time.perf_counter() - started - compiling
             if not resume and result.status == "completed" and (cost := cost_of(setup)):
                 learn(setup.contact.normal, cost["expected_time_s"], wall)
-            files = write(result, directory, pictures)
+            summary, files = write(result, directory, pictures)
             took = ({}, "") if resume else _times(result, wall, compiling)
-            return Written(result, *took, files, keeper.clear(files))
+            return Written(result, summary, *took, files, keeper.clear(files))
         except (KeyboardInterrupt, WrsimError) as error:
             if record.exists() and not isinstance(error, InputError | SimulationError):  # Ctrl-C, or a full disk
                 message = f"{str(error) or 'interrupted'}; the run is safe in {record}: go on with --resume"

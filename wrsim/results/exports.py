@@ -8,6 +8,7 @@ import io
 import logging
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,8 +25,10 @@ LARGEST = 20_000_000  # bytes of a dataset, and about those of its tables, beyon
 LOGGER = logging.getLogger(__name__)
 
 
-def write_run(result: Result, directory: str | Path) -> list[Path]:
+def write_run(result: Result, directory: str | Path, summary: dict[str, Any] | None = None) -> list[Path]:
     """Write ``result.nc``, ``summary.json`` and the tables into ``directory``; returns what was written.
+
+    summary: that of the result, where it is known.
 
     Runs get ``history.csv`` (a row an instant), ``patches.csv`` (a row an instant, wheel and patch in contact) and
     ``strips.csv`` (of the snapshots); poses the last two, where a wheel without contact keeps a row. Each of several
@@ -35,7 +38,7 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     """
     directory = Path(directory)
     written = [result.save(directory / "result.nc")]
-    written.append(write_atomically(directory / "summary.json", as_json(result.summary())))
+    written.append(write_atomically(directory / "summary.json", as_json(summary or result.summary())))
     if result.dataset.nbytes > LARGEST:
         size = f"{1e-6 * result.dataset.nbytes:.0f} MB"
         LOGGER.warning("CSV tables (%s) not written; to write them: wrsim export %s --to tables", size, written[0])

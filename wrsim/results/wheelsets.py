@@ -7,6 +7,7 @@ import xarray as xr
 
 from wrsim.errors import InputError, suggest
 from wrsim.results.dataset import OF_VEHICLE
+from wrsim.results.netcdf import parts_of
 
 
 def wheelsets(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -80,5 +81,5 @@ def worst_wheelset(dataset: xr.Dataset) -> str:
     names = wheelsets(dataset)
     if "Y_over_Q" not in dataset or len(names) == 1:
         return names[0]
-    quotient = np.nan_to_num(dataset["Y_over_Q"].values, nan=-np.inf).max(axis=(0, 2))
-    return names[int(np.argmax(quotient))]
+    parts = (np.nan_to_num(part, nan=-np.inf).max(axis=(0, 2)) for _, part in parts_of(dataset.variables["Y_over_Q"]))
+    return names[int(np.argmax(np.max(list(parts), axis=0)))]
