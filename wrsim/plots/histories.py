@@ -1,6 +1,6 @@
 """Histories of a run against distance, of a wheelset or a vehicle, with the curvature and cant of the track beneath."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from itertools import cycle
 from math import ceil
@@ -24,6 +24,7 @@ from wrsim.plots.gallery import PATCH_NAMES
 from wrsim.plots.moments import snapshot_letter
 from wrsim.results import CHANNELS
 from wrsim.results.moments import is_history
+from wrsim.results.netcdf import PART
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ANGLE_JUMP = 6.0
@@ -50,6 +51,41 @@ MOST_COUPLINGS = 16
 """Couplings of a train that are drawn as lines."""
 OWN_PLACE, ORIGIN = "of each wheelset", "of the vehicle's origin"
 Panel = Callable[[Axes, xr.Dataset], object]
+PIECES = 5000
+"""Pieces of a long run in a picture, four to a dot of a panel 137 mm wide at 220 dots an inch."""
+UNDERLAID = ("distance", "wheelset_distance", "curvature", "cant", "contact_angle")
+"""Channels that any picture of others may need."""
+
+
+def enveloped(dataset: xr.Dataset, names: Collection[str]) -> xr.Dataset:
+    """Some channels of a run for pictures: of a long one the least and the largest value of each of its ``PIECES``, in
+    the order in which a rise or a fall meets them."""
+    long = {dim for dim in ("time", "fast_time") if dataset.sizes.get(dim, 0) > 2 * PIECES}
+    if not long:
+        return dataset
+    drawn = {
+        str(name): (variable.dims, _envelope(variable), variable.attrs)
+        for name, variable in dataset.variables.items()
+        if variable.dims and variable.dims[0] in long and variable.dtype.kind in "fi"
+        and (name in (*long, *UNDERLAID, *names) or str(name).startswith("fast_"))
+    }  # fmt: skip
+    coords = {name: drawn.pop(name) for name in [*drawn] if name in dataset.coords}
+    return dataset.drop_dims(long).assign_coords(coords).assign(drawn)
+
+
+def _envelope(variable: xr.Variable) -> NDArray[np.float64]:
+    ends = np.linspace(0, variable.shape[0], PIECES + 1).astype(int)
+    envelope = np.zeros((PIECES, 2, *variable.shape[1:]))
+    at_once = max(PART * PIECES // max(variable.nbytes, 1), 1)
+    for piece in range(0, PIECES, at_once):
+        of = ends[piece : piece + at_once + 1]
+        values = np.asarray(variable[of[0] : of[-1]])
+        values = np.where(np.isfinite(values), values, np.nan)
+        low, high = (f.reduceat(values, of[:-1] - of[0], axis=0) for f in (np.fmin, np.fmax))
+        falls = values[of[:-1] - of[0]] > values[of[1:] - of[0] - 1]
+        pair = np.where(falls, high, low), np.where(falls, low, high)
+        envelope[piece : piece + at_once] = np.stack(pair, axis=1)
+    return envelope.reshape(-1, *variable.shape[1:])
 
 
 def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None = None) -> Axes:

@@ -13,7 +13,14 @@ from wrsim.inputs.file_kinds import resolved
 from wrsim.plots.bent import bent_figures
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.drawing import save_all
-from wrsim.plots.histories import ANGLES, channels_figure, overview_figure, vehicle_figures
+from wrsim.plots.histories import (
+    ANGLES,
+    VEHICLE_PICTURES,
+    channels_figure,
+    enveloped,
+    overview_figure,
+    vehicle_figures,
+)
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
 from wrsim.plots.subsurface import subsurface_figure
@@ -43,27 +50,29 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     in a folder of its own where there are several."""
     worst = worst_wheelset(dataset)
     folder = wheelset_folder(wheelsets(dataset), worst)
-    of_worst = wheelset_figures(of_wheelset(dataset, worst))
+    vehicle_names = (name for _, names in VEHICLE_PICTURES.values() for name in names.split())
+    drawn = enveloped(dataset, {*ANGLES, *vehicle_names, *(name for names in HISTORIES.values() for name in names)})
+    of_worst = wheelset_figures(of_wheelset(dataset, worst), of_wheelset(drawn, worst))
     of_wear = {"wear": wear_figure, "fatigue": fatigue_figure} if has_wear(dataset) else {}
-    of_vehicle = vehicle_figures(dataset) | {name: partial(make, dataset) for name, make in of_wear.items()}
+    of_vehicle = vehicle_figures(drawn) | {name: partial(make, dataset) for name, make in of_wear.items()}
     of_vehicle |= bent_figures(dataset)
     return of_vehicle | {f"{folder}{name}": make for name, make in of_worst.items()}
 
 
-def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+def wheelset_figures(one: xr.Dataset, drawn: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of one wheelset of which there are data, by file name without ending: histories of runs,
-    contacts over poses, patches and sections of both."""
+    contacts over poses, patches and sections of both. drawn: what histories are drawn of."""
     figures: dict[str, Callable[[], Figure]] = {}
     if is_history(one):
-        if set(ANGLES) <= set(one):
-            figures["overview"] = partial(overview_figure, one)
+        if set(ANGLES) <= set(drawn):
+            figures["overview"] = partial(overview_figure, drawn)
         for name, channels in HISTORIES.items():
-            present = tuple(c for c in channels if c in one and (c != "guide_force_y" or one[c].values.any()))
+            present = tuple(c for c in channels if c in drawn and (c != "guide_force_y" or drawn[c].values.any()))
             if present:
-                figures[name] = partial(channels_figure, one, present)
-        fast = [str(n) for n, variable in one.data_vars.items() if variable.dims[:1] == ("fast_time",)]
+                figures[name] = partial(channels_figure, drawn, present)
+        fast = [str(n) for n, variable in drawn.data_vars.items() if variable.dims[:1] == ("fast_time",)]
         if fast:
-            figures["fast"] = partial(channels_figure, fast_of(one), [name.removeprefix("fast_") for name in fast])
+            figures["fast"] = partial(channels_figure, fast_of(drawn), [name.removeprefix("fast_") for name in fast])
     elif one.sizes.get("pose", 0) > 1 and any(np.isfinite(one[name]).any() for name in PANELS if name in one):
         figures["contact"] = partial(static_figure, one)
     if has_patches(one):
@@ -105,7 +114,7 @@ def picture(result: Result, names: Sequence[str], wheelset: str | None) -> Figur
         raise InputError("plot: this result has no pictures")
     several = len(wheelsets(chosen)) > 1 and any("wheelset" in chosen[name].dims for name in names)
     one = result.wheelset() if several else of_wheelset(chosen, wheelsets(chosen)[0])
-    return static_figure(one, names) if "pose" in one.dims else channels_figure(one, names)
+    return static_figure(one, names) if "pose" in one.dims else channels_figure(enveloped(one, names), names)
 
 
 DRAWN = (("time",), *((sample, *rest) for sample in ("time", "pose") for rest in (("wheel",), ("wheel", "patch"))))
