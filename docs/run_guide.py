@@ -4,10 +4,10 @@
 
 Lines that call ``wrsim``, ``cp`` or ``mkdir`` count, but those with a word in capitals, which stands for a name, and
 those of LEFT_OUT; a line on two pages is executed on the first. Tutorials run as they are; scenarios of other pages run
-in a short form, without pictures, but for what their lines set themselves. With --short two processes share the pages,
-and studies of other pages have the ends of their ranges alone; optimisations and calibrations tell their cost; units
-and live pages have a step that is given and, where they are for all systems, one of these. A line that ends with
-another exit code than 0, or than those of EXPECTED, is an error.
+in a short form, without pictures, but for what their lines set themselves. Studies in short form have the ends of their
+ranges alone; optimisations and calibrations tell their cost; units and live pages have a step that is given and, where
+they are for all systems, one of these. With --short LONG lines of tutorials have this form, too, and two processes
+share the pages. A line that ends with another exit code than 0, or than those of EXPECTED, is an error.
 
 Behind a command a page may have what the terminal prints: ``<!-- printed: COMMAND | 1-5 20-24 -->`` and a block of text
 with these lines. Such commands run as they are, but for LONG ones, and their blocks on all pages are compared: words as
@@ -39,12 +39,12 @@ ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *(ROOT / "docs" / "user").glob("*.md")]
 FIRST = ["README", "first_hour", "own_vehicle", "own_track", "own_profile", "acceptance", "own_study"]
 """Tutorials, in their order."""
-ALONE = "own_profile"
-"""One of them that needs nothing of the others, nor they of it."""
+ALONE = {"own_vehicle", "own_profile"}
+"""Those that need nothing of the others, nor they of them."""
 LEFT_OUT = re.compile(r"\b[A-Z]{3,}\b|--slurm|scenarios/(?:wear|type_test)/|studies/coach_|wrsim warm")
 """A name to be filled in, a cluster, minutes of work."""
-LONG = re.compile(r"scenarios/(?:metro_depot|freight_long_curve|tram_car_r25)|results/freight")
-"""Outputs of runs of a minute each, on a page that is no tutorial: compared with --whole alone."""
+LONG = re.compile(r"metro_depot|freight_long|tram_car_r25|results/freight|line/scenario\.toml --set|results/line\b")
+"""Outputs of runs of a minute each: of tutorials they are compared without --short alone, of others with --whole."""
 LEFT_OUT_SHORT = re.compile(r"wrsim study \S+crossing_speed")
 """With --short: what prepares the scenario of another line once more, for half a minute."""
 EXPECTED = {"assess": (0, 2), "diff": (0, 4)}
@@ -140,7 +140,7 @@ def main(chosen: list[str]) -> int:
     if "--short" not in chosen:
         write = "--write" in chosen
         return faults_of(pages, short=False, whole=write or "--whole" in chosen, write=write)
-    first = [page for page in pages if page.stem in set(FIRST) - {ALONE} or uses_others(page)]
+    first = [page for page in pages if page.stem in set(FIRST) - ALONE or uses_others(page)]
     shares = (first, [page for page in pages if page not in first])
     with ProcessPoolExecutor(2) as pool:
         faults = sum(pool.map(partial(faults_of, short=True), shares))
@@ -175,7 +175,8 @@ def faults_of(pages: list[Path], short: bool, whole: bool = False, write: bool =
                     continue
                 done.add(line)
                 begin = time.perf_counter()
-                as_is = whole or page.stem in FIRST or (line in shown and not LONG.search(line))
+                brief = LONG.search(line) and (short or page.stem not in FIRST)
+                as_is = whole or (not brief and (page.stem in FIRST or line in shown))
                 code, output = executed(line, Path(folder), as_is)
                 words = shlex.split(line)
                 good = code in EXPECTED.get(words[1], (0,)) if words[0] == "wrsim" else code == 0

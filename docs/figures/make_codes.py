@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from wrsim import Result, load, load_vehicle, run
+from wrsim import Result, Track, load, run
 from wrsim.contact.tables import _kalker_table, creep_asymptotes, creep_coefficients
 from wrsim.results.summary import filtered
 from wrsim.scenario.track_build import rails_of, track_of
@@ -52,7 +52,7 @@ STEADY = (
 )
 """Quantities of the leading wheelset: name, channel, wheel, factor, unit."""
 
-RUN, VEHICLE = "scenarios/manchester_r300.toml", "vehicles/manchester_1.toml"
+RUN = "scenarios/manchester_r300.toml"
 UNEVEN: dict[str, Any] = {
     "track.irregularities": [
         {"kind": "spectrum", "spectrum": "ERRI-low", "seed": 1, "wavelength_m": [3, 25], "from_m": 20},
@@ -92,8 +92,28 @@ def peaks(result: Result) -> dict[str, float]:
     return found
 
 
+def without_slope(result: Result, track: Track) -> tuple[list[dict[str, Any]], float]:
+    """Loads on the axles, above every wheel, that take off what the slope of the rails turns of the forces on wheels
+    along the track, and the largest of them on the leading wheelset [kN]."""
+    loads, largest = [], 0.0
+    for name in map(str, result.dataset["wheelset"].values):
+        one = result.wheelset(name)
+        s = one["distance"].values
+        places = np.arange(max(s[0], 0.0), s[-1], 0.05)
+        for side, sign in (("left", 1.0), ("right", -1.0)):
+            ahead, behind = (track.irregularity(side, s + x) for x in (0.01, -0.01))
+            lateral, vertical = ((a - b) / 0.02 for a, b in zip(ahead, behind, strict=True))
+            wheel = one.sel(wheel=side)
+            force = (wheel["Q"].values * vertical - sign * wheel["Y"].values * lateral) / 1e3
+            largest = max(largest, float(np.abs(force).max()) if name == "front.outer" else 0.0)
+            rows = [[float(x), float(f), 0.0, 0.0] for x, f in zip(places, np.interp(places, s, force), strict=True)]
+            point = {"on": name, "at_mm": [0, sign * 750.0, 0], "axes": "track"}
+            loads.append({"name": f"{name} {side}".replace(".", " "), **point, "distance_m_force_kN": rows})
+    return loads, largest
+
+
 def run_rows() -> Iterator[list[str]]:
-    """The coach along a curve: filters, rails, pivot of cant."""
+    """The coach along a curve: filters, rails, pivot of cant, slope of irregularities."""
     base = load(ROOT / RUN)
     variants = (
         ("track", "rigid rails", UNEVEN),
@@ -108,14 +128,16 @@ def run_rows() -> Iterator[list[str]]:
         for name, value in peaks(result).items():
             if topic == "track" or name.endswith("raw"):
                 yield [topic, label, name, f"{value:.4g}", "kN"]
-    spectrum = {"track.irregularities": UNEVEN["track.irregularities"][:1]}
-    scenario = base.with_values(spectrum)
-    track = track_of(scenario, rails_of(scenario))
-    s = np.arange(30.0, track.length, 0.05)
-    for name, values in zip(("lateral", "vertical"), track.irregularity("right", s), strict=True):
-        slope = np.diff(values) / 0.05
-        yield ["slope", name, "largest", f"{1e3 * np.abs(slope).max():.3g}", "‰"]
-        yield ["slope", name, "rms", f"{1e3 * np.sqrt(np.mean(slope**2)):.3g}", "‰"]
+            if label == "rigid rails" and name.endswith("raw"):
+                yield ["slope", "normal leans with the rail (wrsim)", name, f"{value:.4g}", "kN"]
+        if label == "rigid rails":
+            scenario = base.with_values(values)
+            loads, largest = without_slope(result, track_of(scenario, rails_of(scenario)))
+            level = run(scenario.with_values({"vehicle.loads": loads}))
+            assert level.status == "completed"
+            for name in ("Y, raw", "Q, raw", "ΣY, raw"):
+                yield ["slope", "normal in the cross-section", name, f"{peaks(level)[name]:.4g}", "kN"]
+            yield ["along", "leading wheelset", "largest", f"{1e3 * largest:.3g}", "N"]
 
 
 def coefficients(aspect: float) -> dict[str, np.ndarray]:
@@ -183,15 +205,11 @@ def sentences(rows: list[dict[str, str]]) -> dict[str, str]:
     """Figures that stand in sentences."""
     value = {(row["topic"], row["variant"], row["quantity"]): float(row["value"]) for row in rows}
     xi = value["contact", "strips, FaStrip (default)", "largest ξ"]
-    lateral, vertical = (value["slope", name, "largest"] for name in ("lateral", "vertical"))
-    vehicle = load_vehicle(VEHICLE)
-    pressing = vehicle.mass * 9.80665e-3 / (2 * len(vehicle.wheelsets))
+    along = value["along", "leading wheelset", "largest"]
     return {
         "speed": f"The largest longitudinal creepage of the coach in R 300 m is {xi:.2g} ‰. "
         f"The mean of both speeds changes its creepages by up to {0.05 * xi:.2g} %.\n",
-        "slope": "Largest slopes of the right rail, ERRI low, 3 to 25 m: "
-        f"{lateral:.2g} ‰ lateral, {vertical:.2g} ‰ vertical. "
-        f"A wheel load of {pressing:.0f} kN has {pressing * vertical:.0f} N along the track on the steepest place.\n",
+        "along": f"The largest of these forces on the leading wheelset is {along:.3g} N.\n",
         "between": f"Between the rows both rules differ by up to {100 * between_rows():.1f} % (ν = {NU}).\n",
     }
 
@@ -200,7 +218,7 @@ def page() -> str:
     """The text of the page with its tables."""
     with DATA.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    made = {topic: "".join(difference_table(rows, topic)) for topic in ("contact", "gauge", "pivot")}
+    made = {topic: "".join(difference_table(rows, topic)) for topic in ("contact", "gauge", "pivot", "slope")}
     made |= {"kalker": "".join(kalker_rows()), "filters": "".join(filter_table(rows))} | sentences(rows)
     text = PAGE.read_text(encoding="utf-8")
     for name, table in made.items():
