@@ -43,7 +43,9 @@ ALONE = {"own_vehicle", "own_profile"}
 """Those that need nothing of the others, nor they of them."""
 LEFT_OUT = re.compile(r"\b[A-Z]{3,}\b|--slurm|scenarios/(?:wear|type_test)/|studies/coach_|wrsim warm")
 """A name to be filled in, a cluster, minutes of work."""
-LONG = re.compile(r"metro_depot|freight_long|tram_car_r25|results/freight|line/scenario\.toml --set|results/line\b")
+LONG = re.compile(
+    r"metro_depot|freight_long|tram_car_r25|results/freight|line/scenario.toml --set|results/line\b|-o results/my_study"
+)
 """Outputs of runs of a minute each: of tutorials they are compared without --short alone, of others with --whole."""
 LEFT_OUT_SHORT = re.compile(r"wrsim study \S+crossing_speed")
 """With --short: what prepares the scenario of another line once more, for half a minute."""
@@ -177,7 +179,7 @@ def faults_of(pages: list[Path], short: bool, whole: bool = False, write: bool =
                 begin = time.perf_counter()
                 brief = LONG.search(line) and (short or page.stem not in FIRST)
                 as_is = whole or (not brief and (page.stem in FIRST or line in shown))
-                code, output = executed(line, Path(folder), as_is)
+                code, output = executed(line, Path(folder), as_is, page.stem in FIRST)
                 words = shlex.split(line)
                 good = code in EXPECTED.get(words[1], (0,)) if words[0] == "wrsim" else code == 0
                 faults += not good
@@ -209,10 +211,10 @@ def _place(page: Path) -> tuple[int, str]:
     return (FIRST.index(page.stem) if page.stem in FIRST else len(FIRST), page.stem)
 
 
-def executed(line: str, folder: Path, as_is: bool) -> tuple[int, str]:
-    """Exit code and output of a line in a folder; as_is: not in its short form."""
+def executed(line: str, folder: Path, as_is: bool, tutorial: bool = True) -> tuple[int, str]:
+    """Exit code and output of a line in a folder; as_is: not in its short form. Studies of tutorials run in any."""
     words = shlex.split(line)
-    if words[:2] == ["wrsim", "study"] and not as_is and "--dry-run" not in words:
+    if words[:2] == ["wrsim", "study"] and not (as_is or tutorial) and "--dry-run" not in words:
         words.append("--dry-run")
     if words[0] != "wrsim":
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
