@@ -46,6 +46,7 @@ from wrsim.contact.surfaces.rail import unfold
 from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
 from wrsim.contact.wheel_rail import STAGES, compile_stages, place_bodies
 from wrsim.contact.workspace import pack
+from wrsim.jit.butterworth import butterworth, zero_phase
 from wrsim.jit.cache import PACKAGE, sources
 from wrsim.jit.objects import this_target
 from wrsim.simulation.bodies import accelerations, inertia_table, mass_matrix, velocity_forces
@@ -298,6 +299,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     found["sampled forces"] = [*sampled.forces[0], *sampled.of("total 0", 1)["Fb"][0]]
     kinetic_energies(q[None], q_t[None], inertia_table(law.bodies), len(vehicle.wheelsets), energy := np.zeros(1))
     found["kinetic energy"] = list(energy)
+    found["a filter"] = list(zero_phase(butterworth(4, 5.0, True, 100.0), np.arange(40.0) ** 2, 30))
     found["finite"] = [float(first_not_finite(q, q_t))]
     poses = poses_on_track(law.track.centre, q[None, :6], q_t[None, :6], 50.0)
     found["poses"] = [float(np.ravel(value)[0]) for value in poses]

@@ -33,6 +33,7 @@ import llvmlite
 import numba
 from llvmlite import binding
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.runtime import rtsys
 
 from wrsim.system import NO_LINK
 
@@ -263,6 +264,12 @@ class KernelCache(FunctionCache):
         if fault not in self.faults:
             self.faults.add(fault)
             LOGGER.warning("%s, first %s in %s", fault, self._impl.filename_base, CONFIG.CACHE_DIR)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """As numba's, without what types and lowers functions: only to compile needs it, and loads it itself."""
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
         overload = None

@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import atan, pi, tan
 
 import numpy as np
-import scipy
 import xarray as xr
 
 from wrsim.errors import InputError
+from wrsim.jit.butterworth import at_rest, butterworth, passed, zero_phase
 from wrsim.results.moments import Array
 
 ROWS = 1 << 15  # samples of a long signal that are filtered at once
@@ -47,12 +47,12 @@ def low_pass(signal: Array, rate: float, cut_off: float) -> Array:
 
     rate: samples a second. Raises InputError when the signal is sampled too slowly for the filter.
     """
-    return _filtered(signal, rate, "lowpass", cut_off, 2)
+    return _filtered(signal, rate, False, cut_off, 2)
 
 
 def band_pass(signal: Array, rate: float, low: float, high: float) -> Array:
     """Zero-phase band-pass; -3 dB at ``low`` and ``high`` [Hz], 48 dB an octave beyond. See ``low_pass``."""
-    return _filtered(_filtered(signal, rate, "lowpass", high, 4), rate, "highpass", low, 4)
+    return _filtered(_filtered(signal, rate, False, high, 4), rate, True, low, 4)
 
 
 def low_passed(read: Callable[[int, int], Array], count: int, rate: float, cut_off: float) -> Iterator[Array]:
@@ -60,8 +60,8 @@ def low_passed(read: Callable[[int, int], Array], count: int, rate: float, cut_o
 
     read: gives the samples (n, channels) from one to another, of so many.
     """
-    sections, pad = _filter(count, rate, "lowpass", cut_off, 2)
-    at_rest = scipy.signal.sosfilt_zi(sections)[..., None]
+    sections, pad = _filter(count, rate, False, cut_off, 2)
+    rest = at_rest(sections)[..., None]
     edges = [*range(0, count, ROWS), count]
     first, last, parts = read(0, pad + 1), read(count - pad - 1, count), len(edges) - 1
     before, after = 2.0 * first[:1] - first[:0:-1], 2.0 * last[-1:] - last[-2::-1]
@@ -69,26 +69,26 @@ def low_passed(read: Callable[[int, int], Array], count: int, rate: float, cut_o
     def forward(k: int) -> tuple[Array, Array]:
         signal = read(edges[k], edges[k + 1])
         signal = np.concatenate([*[before] * (k == 0), signal, *[after] * (k == parts - 1)])
-        return scipy.signal.sosfilt(sections, signal, axis=0, zi=ahead[k])  # type: ignore[no-any-return]
+        return passed(sections, signal, ahead[k])
 
     def backward(k: int) -> tuple[Array, Array]:
-        return scipy.signal.sosfilt(sections, forward(k)[0][::-1], axis=0, zi=behind[k + 1])  # type: ignore[no-any-return]
+        return passed(sections, forward(k)[0][::-1], behind[k + 1])
 
-    ahead = {0: at_rest * before[:1]}
+    ahead = {0: rest * before[:1]}
     for k in range(parts):
-        passed, ahead[k + 1] = forward(k)
-    behind = {parts: at_rest * passed[-1:]}
+        result, ahead[k + 1] = forward(k)
+    behind = {parts: rest * result[-1:]}
     for k in range(parts - 1, 0, -1):
         behind[k] = backward(k)[1]
     return (backward(k)[0][::-1][pad * (k == 0) :][: edges[k + 1] - edges[k]] for k in range(parts))
 
 
-def _filtered(signal: Array, rate: float, kind: str, cut_off: float, order: int) -> Array:
-    sections, pad = _filter(signal.shape[0], rate, kind, cut_off, order)
-    return np.asarray(scipy.signal.sosfiltfilt(sections, signal, axis=0, padlen=pad))
+def _filtered(signal: Array, rate: float, highpass: bool, cut_off: float, order: int) -> Array:
+    sections, pad = _filter(signal.shape[0], rate, highpass, cut_off, order)
+    return zero_phase(sections, signal, pad)
 
 
-def _filter(count: int, rate: float, kind: str, cut_off: float, order: int) -> tuple[Array, int]:
+def _filter(count: int, rate: float, highpass: bool, cut_off: float, order: int) -> tuple[Array, int]:
     """Sections of either pass of a Butterworth filter of that order each, and how many samples continue a signal:
     gain of both 1/(1 + (sqrt 2 - 1) w^(2 order)), w = f/cut_off."""
     if not 0.0 < cut_off < 0.45 * rate:
@@ -98,10 +98,10 @@ def _filter(count: int, rate: float, kind: str, cut_off: float, order: int) -> t
         )
     # the bilinear transform maps frequencies to tan(pi f / rate); the corner of one pass is moved there
     factor = (2.0**0.5 - 1.0) ** (-0.5 / order)
-    factor = factor if kind == "lowpass" else 1.0 / factor
+    factor = 1.0 / factor if highpass else factor
     corner = rate / pi * atan(factor * tan(pi * cut_off / rate))
     pad = min(int(3.0 * rate / cut_off), count - 2)
-    return scipy.signal.butter(order, corner, kind, fs=rate, output="sos"), pad
+    return butterworth(order, corner, highpass, rate), pad
 
 
 def windows(distance: Array, length: float, step: float) -> Array:

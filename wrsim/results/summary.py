@@ -303,7 +303,7 @@ def filtered(one: xr.Dataset) -> Iterator[Part] | None:
     are too few, too slow or uneven."""
     if "time" not in one.dims or not {"Y", "Q", "wheel", "distance"} <= {*one.variables} or one.sizes["wheel"] < 2:
         return None
-    from wrsim.results import filters  # scipy's take half a second
+    from wrsim.results import filters  # brings numba, for runs alone
 
     raster = filters.on_raster(one)
     forces = [raster.variables[name].transpose("time", "wheel") for name in ("Y", "Q")]

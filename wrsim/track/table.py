@@ -17,6 +17,7 @@ import scipy
 from wrsim.errors import InputError
 from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.values import number
+from wrsim.jit.butterworth import butterworth, zero_phase
 from wrsim.track.irregularities import WEIGHTS, Disturbance, Sampled
 from wrsim.track.piecewise import Array, Piecewise
 from wrsim.track.segments import MAX_CANT, MAX_WIDENING, Laws
@@ -120,13 +121,11 @@ class TrackTable:
 
 def _filtered(distance: Array, values: Array, band: tuple[float, float]) -> tuple[Array, Array]:
     """Values at even distances, with the waves in the band alone."""
-    from scipy.signal import butter, sosfiltfilt  # half a second to import, for tracks from tables alone
-
     count = distance.size
     even = np.linspace(distance[0], distance[-1], count)
     values = scipy.interpolate.CubicSpline(distance, values)(even)
     per_metre = (count - 1) / (distance[-1] - distance[0])
     high = min(1.0 / band[0], 0.499 * per_metre)
-    filters = ((1.0 / band[1], "highpass"), (high, "lowpass"))
-    sections = np.concatenate([butter(4, edge, kind, fs=per_metre, output="sos") for edge, kind in filters])
-    return even, np.asarray(sosfiltfilt(sections, values, padlen=min(count - 1, int(3.0 * band[1] * per_metre))))
+    filters = (1.0 / band[1], True), (high, False)
+    sections = np.concatenate([butterworth(4, edge, highpass, per_metre) for edge, highpass in filters])
+    return even, zero_phase(sections, values, min(count - 1, int(3.0 * band[1] * per_metre)))
