@@ -3,7 +3,8 @@
 The Manchester coach over curves of 3000 m and straights between them, Kik-Piotrowski with few strips: what is stored
 does not depend on that. Memory of the process (resident, MB) at a tenth, at half and at the end of the way;
 then, each in a process of its own, the largest while the result of the first tenth, half and all of it is put together
-and saved, and while its tables are written; the size of what stands on disk, a kilometre.
+and saved, and while its tables are written, each with what of it the system cannot drop (anonymous); the size of what
+stands on disk, a kilometre.
 """
 
 import argparse
@@ -56,34 +57,38 @@ def values(kilometres: float, speed: float) -> dict[str, Any]:
     }
 
 
-def resident() -> float:
-    """Memory of this process now [MB]."""
-    return int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+def memory() -> list[float]:
+    """Memory of this process now [MB]: all that is resident, and anonymous pages."""
+    lines = Path("/proc/self/smaps_rollup").read_text(encoding="utf-8").splitlines()[1:]
+    sizes = {line.split()[0]: int(line.split()[1]) for line in lines}
+    return [1.024e-3 * sizes[key] for key in ("Rss:", "Anonymous:")]
 
 
-def in_a_child(work: Callable[[], Any]) -> tuple[float, Any]:
-    """Largest memory of a process that does some work [MB], over what it began with, and what the work returns."""
+def in_a_child(work: Callable[[], Any]) -> list[float]:
+    """Largest `memory` of a process that does some work [MB], over what it began with."""
     back, forth = os.pipe()
     child = os.fork()
     if child == 0:
-        before, largest, going = resident(), [resident()], True
+        before, going = memory(), True
+        largest = before
 
         def watch() -> None:
+            nonlocal largest
             while going:
-                largest[0] = max(largest[0], resident())
+                largest = [max(pair) for pair in zip(largest, memory(), strict=True)]
                 time.sleep(0.02)
 
         threading.Thread(target=watch, daemon=True).start()
         try:
-            answer = work()
-            os.write(forth, json.dumps([largest[0] - before, answer]).encode())
+            work()
+            os.write(forth, json.dumps([round(a - b, 1) for a, b in zip(largest, before, strict=True)]).encode())
         finally:
             os._exit(0)
     os.close(forth)
     with os.fdopen(back) as stream:
-        told = json.loads(stream.read())
+        told: list[float] = json.loads(stream.read())
     os.waitpid(child, 0)
-    return told[0], told[1]
+    return told
 
 
 def main() -> None:
@@ -110,7 +115,7 @@ def measured(folder: Path, kilometres: float, speed: float) -> dict[str, Any]:
     def progress(fraction: float, left: float) -> None:
         for place in PLACES:
             if fraction >= place - 1e-9 and place not in there:
-                there[place] = round(resident(), 1)
+                there[place] = round(memory()[0], 1)
 
     def no_result(*arguments: Any) -> None:  # only the samples here; results are made in processes of their own
         return None
@@ -131,17 +136,15 @@ def measured(folder: Path, kilometres: float, speed: float) -> dict[str, Any]:
             *(a[: max(int(place * n), 2)] for a in (motion.times, motion.q, motion.q_t)), motion.step, "completed"
         )
         out = folder / f"{place:g}"
-        together[place], _ = in_a_child(
-            lambda p=part, o=out: result_of(setup, law, p, [], folder).save(o / "result.nc") and 0
-        )
-        written[place], _ = in_a_child(lambda o=out: len(write_run(Result.load(o / "result.nc"), o)))
+        together[place] = in_a_child(lambda p=part, o=out: result_of(setup, law, p, [], folder).save(o / "result.nc"))
+        written[place] = in_a_child(lambda o=out: write_run(Result.load(o / "result.nc"), o))
         disk[place] = sum(f.stat().st_size for f in out.rglob("*") if f.is_file()) / 1e6
     at = {place: f"{place * kilometres:g} km" for place in PLACES}
     return {
         "samples": n,
         "run_MB": {at[p]: there[p] for p in PLACES},
-        "put_together_MB": {at[p]: round(together[p], 1) for p in PLACES},
-        "written_MB": {at[p]: round(written[p], 1) for p in PLACES},
+        "put_together_MB": {at[p]: together[p] for p in PLACES},
+        "written_MB": {at[p]: written[p] for p in PLACES},
         "part_file_MB_a_km": round(record.stat().st_size / 1e6 / kilometres, 2),
         "result_MB_a_km": round((folder / "1/result.nc").stat().st_size / 1e6 / kilometres, 2),
         "all_files_MB_a_km": round(disk[1.0] / kilometres, 2),
