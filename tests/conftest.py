@@ -11,7 +11,8 @@ from pathlib import Path
 # where all cores are busy; read when numpy is imported
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # before numba is imported: it reads its settings anew where they have changed since, and forgets where the cache is
-os.environ.setdefault("NUMBA_NUM_THREADS", "2")  # two threads can be tried on one core
+# also where it says 1: kernels of several threads are tried with two, which one core can do
+os.environ["NUMBA_NUM_THREADS"] = str(max(2, int(os.environ.get("NUMBA_NUM_THREADS", 2))))
 
 import pytest
 from hypothesis import settings

@@ -11,7 +11,7 @@ from wrsim.recording.columns import ChannelSection, ColumnsFile
 from wrsim.recording.design import Plateau
 from wrsim.recording.reading import TrackRecording
 from wrsim.recording.restoring import Restored
-from wrsim.recording.track_class import INCH, WINDOW, ClassWindow, class_table, curve_speed, track_classes
+from wrsim.recording.track_class import INCH, WINDOW, ClassWindow, class_table, curve_speed, quantities, track_classes
 from wrsim.track.irregularities import Bump
 from wrsim.track.segments import Segment, laws
 
@@ -72,7 +72,8 @@ def windows_of(quantity: str, inches: float) -> tuple[ClassWindow, ...]:
     records = tuple((channel, np.zeros(s.size)) for channel in channels)
     recording = TrackRecording(Path("line.csv"), columns, 1000.0, 0.25, records, False, ())
     law = laws(segments, 1.4351, 1.0)
-    return track_classes(Restored(recording, plateaus, tuple(segments), law, lateral, vertical, (), ()))
+    restored = Restored(recording, plateaus, tuple(segments), law, lateral, vertical, (), ())
+    return track_classes(restored, quantities(restored))
 
 
 @pytest.mark.parametrize("quantity", LAW)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -113,7 +112,7 @@ def read_recording(
     from wrsim.inputs.values import number
     from wrsim.recording.scenario_file import restored_track
     from wrsim.recording.tables import recording_numbers, recording_tables
-    from wrsim.recording.track_class import class_table, track_classes, unknown
+    from wrsim.recording.track_class import class_table, missing, quantities, track_classes
     from wrsim.report.outputs import write_recording
 
     check_value(Annotated[float, number(1, 500, "km/h")] | None, speed_kmh, "--speed-kmh")
@@ -122,9 +121,10 @@ def read_recording(
         raise InputError(f"{path}: is {kind}; the table of a recording is needed here")
     chosen = columns_of(path, columns)
     track = restored_track(path, chosen, chord_m, band, (from_m, to_m), wavelength_m, amplification, transitions)
-    windows = track_classes(track) if track_class else ()
-    tables = recording_tables(track) + ([class_table(windows, missing=unknown(track))] if windows else [])
-    numbers = recording_numbers(track) | ({"track_class": [*map(asdict, windows)]} if windows else {})
+    limited = quantities(track) if track_class else {}
+    windows = track_classes(track, limited) if track_class else ()
+    tables = recording_tables(track) + ([class_table(windows, lacking=missing(limited))] if windows else [])
+    numbers = recording_numbers(track) | ({"track_class": [w._asdict() for w in windows]} if windows else {})
     if folder is None:
         return Outcome(tables, numbers, value=track)
     files = write_recording(track, folder, vehicle, speed_kmh, list(map(Path, models)), pictures, windows)

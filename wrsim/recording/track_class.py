@@ -4,7 +4,8 @@ Uniform is the design of the recorded track: a deviation from uniformity is the 
 In curves and spirals the outer rail counts for alinement, on tangents the worse one.
 """
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
@@ -26,7 +27,9 @@ HIGH = 6.0  # elevation from which on another limit of warp holds [in]: 213.63(a
 STRAIGHT = 1e-5  # curvature of the design below which track is tangent [1/m]: R = 100 km
 CLASSES = "track_class.csv"
 MOST_LISTED = 40  # windows that the terminal lists
-LIMITS = {
+Key: TypeAlias = tuple[str, int, str]
+Quantities: TypeAlias = Mapping[Key, Array]
+LIMITS: dict[Key, list[float]] = {
     (row["deviation"], int(row["chord_ft"]), row["course"]): [float(row[str(c)] or "inf") for c in range(1, 6)]
     for row in table("wrsim.scenario", "data/track_classes.csv")
 }
@@ -40,8 +43,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class ClassWindow:
+class ClassWindow(NamedTuple):
     """Verdict on 100 ft.
 
     from_m, to_m, place_m: distances in the recording; track_class: highest class whose limits all hold, 0 for none;
@@ -67,7 +69,7 @@ def curve_speed(elevation: Array, curvature: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(elevation + UNBALANCE, 0.0) / (7e-4 * np.maximum(degrees, 1e-9))))
 
 
-def quantities(restored: Restored) -> dict[tuple[str, int, str], Array]:
+def quantities(restored: Restored) -> Quantities:
     """What the law limits, by the keys of `LIMITS` (n,) [in]; not-a-number where it does not apply or is unknown."""
     recording, law = restored.recording, restored.law
     s, step = recording.distance, recording.step
@@ -75,7 +77,7 @@ def quantities(restored: Restored) -> dict[tuple[str, int, str], Array]:
     outer = np.where(curvature > STRAIGHT, 1, np.where(curvature < -STRAIGHT, 0, -1))  # row of the outer rail
     tangent, curved = np.where(outer < 0, 1.0, np.nan), np.where(outer < 0, np.nan, 1.0)
     kinds = {channel.kind for channel, _ in recording.records}
-    values: dict[tuple[str, int, str], Array] = {}
+    values: dict[Key, Array] = {}
 
     def offsets(shape: Array, feet: int) -> Array:
         """Size of the mid-chord offsets of both rails (2, n); unknown where the chord ends beyond the recording."""
@@ -120,9 +122,9 @@ def curve_speeds(restored: Restored) -> Array:
     return speeds
 
 
-def track_classes(restored: Restored) -> tuple[ClassWindow, ...]:
-    """Verdicts along a recording, one for every 100 ft, the last one for the rest."""
-    s, start, values = restored.recording.distance, restored.recording.start, quantities(restored)
+def track_classes(restored: Restored, values: Quantities) -> tuple[ClassWindow, ...]:
+    """Verdicts by these `quantities` along a recording, one for every 100 ft, the last one for the rest."""
+    s, start = restored.recording.distance, restored.recording.start
     speeds, windows = curve_speeds(restored), []
     for begin in np.arange(0.0, s[-1], WINDOW).tolist():
         window = (s >= begin) & (s < begin + WINDOW)
@@ -137,27 +139,24 @@ def track_classes(restored: Restored) -> tuple[ClassWindow, ...]:
                 off = STANDARD_GAGE if key[0].startswith("gage") else 0.0
                 used = (row[i] - off) / (limit - off)
                 name = key[0] + (f" over {key[1]} ft" if key[1] else "")
-                worst = min(worst, (track_class, -float(used), name, float(row[i]), limit, float(s[i])))
+                worst = min(worst, (track_class, -float(used), name, float(row[i]), limit, float(start + s[i])))
         track_class, _, name, value, limit, place = worst
         speed = float(speeds[window].min())
         ends = start + begin, start + min(begin + WINDOW, float(s[-1]))
         curve = speed if np.isfinite(speed) else None
         if name:
-            windows.append(
-                ClassWindow(*ends, track_class, name, value, limit, start + place, *SPEEDS[track_class], curve)
-            )
+            windows.append(ClassWindow(*ends, track_class, name, value, limit, place, *SPEEDS[track_class], curve))
     return tuple(windows)
 
 
-def unknown(restored: Restored) -> tuple[str, ...]:
+def missing(values: Quantities) -> tuple[str, ...]:
     """Quantities that the recording does not have: they are not assessed."""
-    known = quantities(restored)
-    assessed = [row["deviation"] for row in table("wrsim.scenario", "data/track_classes.csv") if row["1"] or row["3"]]
-    return tuple(name for name in dict.fromkeys(assessed) if name not in {key[0] for key in known})
+    assessed = dict.fromkeys(name for (name, *_), limits in LIMITS.items() if min(limits) < np.inf)
+    return tuple(name for name in assessed if name not in {key[0] for key in values})
 
 
-def class_table(windows: tuple[ClassWindow, ...], most: int = MOST_LISTED, missing: tuple[str, ...] = ()) -> Table:
-    """The windows, of more than ``most`` those of the lowest classes, and how many there are of each class; missing:
+def class_table(windows: tuple[ClassWindow, ...], most: int = MOST_LISTED, lacking: tuple[str, ...] = ()) -> Table:
+    """The windows, of more than ``most`` those of the lowest classes, and how many there are of each class; lacking:
     quantities that are not assessed."""
     counts = {c: sum(w.track_class == c for w in windows) for c in range(6)}
     numbers = ", ".join(f"{n} of class {c}" if c else f"{n} below class 1" for c, n in counts.items() if n)
@@ -166,10 +165,8 @@ def class_table(windows: tuple[ClassWindow, ...], most: int = MOST_LISTED, missi
     notes = (
         f"{len(windows)} windows of 100 ft: {numbers}; the whole is {f'class {lowest}' if lowest else 'below class 1'}",
         f"listed: the {most} lowest; {CLASSES} has all" if len(windows) > most else "",
-        f"not recorded and not assessed: {', '.join(missing)}" if missing else "",
+        f"not recorded and not assessed: {', '.join(lacking)}" if lacking else "",
         "by 213.9(a), .53, .55(a), .57 and .63(a) at 3 in of unbalance; uniform is the design; run-offs of raises, "
         "joints and 213.59 are not assessed; limit: of the next class, of class 5 its own",
     )
-    return Table(
-        "class of track, 49 CFR 213", COLUMNS, [tuple(asdict(w).values()) for w in listed], tuple(filter(None, notes))
-    )
+    return Table("class of track, 49 CFR 213", COLUMNS, listed, tuple(filter(None, notes)))
