@@ -483,7 +483,7 @@ def test_values_without_scatter_give_back_their_coefficients():
     assert dict(zip(found.over, found.slope, strict=True)) == pytest.approx(SLOPES, rel=1e-9)
     assert (found.fit, found.estimate) == pytest.approx((force(AT),) * 2, rel=1e-9)
     # without a place the largest of the sections
-    assert regression(force(known), known, ("speed",), {}, 2.2).at == (known["speed"].max(),)
+    assert regression(force(known), known, ("speed",), {}, 2.2).point == (known["speed"].max(),)
 
 
 def test_one_influence_has_the_bound_of_textbooks():

@@ -38,7 +38,7 @@ class Formula:
         keys: Sequence[CalibratedKey],
         more: dict | None = None,
     ) -> None:
-        self.of, self.records, self.shifted = model, {}, 0
+        self.from_fit, self.records, self.shifted = model, {}, 0
         self.spec = SimpleNamespace(
             vary=keys, confidence_percent=90.0, intervals="linear", iterations=30, **(more or {})
         )
@@ -53,7 +53,7 @@ class Formula:
         return [self.candidate(tuple(map(float, point))) for point in points]
 
     def candidate(self, values: tuple[float, ...]) -> Candidate:
-        status = COMPLETED if np.isfinite(self.of(np.array(values))).all() else FAILED
+        status = COMPLETED if np.isfinite(self.from_fit(np.array(values))).all() else FAILED
         dataset = xr.Dataset({"keys": ("key", np.array(values))}, attrs={"analysis": "curving"})
         return Candidate(values, {"run": SimpleNamespace(status=status, message="", dataset=lambda: dataset)})
 
@@ -64,7 +64,7 @@ class Formula:
         return [self.target]
 
     def model(self, results, targets) -> list[np.ndarray]:
-        return [self.of(results["run"].dataset["keys"].values)]
+        return [self.from_fit(results["run"].dataset["keys"].values)]
 
 
 def key(name: str, start: float, **more) -> CalibratedKey:
@@ -132,7 +132,7 @@ def test_what_the_channels_cannot_tell_is_told_by_name():
     assert known.intervals[2].high - known.intervals[2].low == pytest.approx(2.0 * 1.645 * 0.2, rel=0.02)
     assert known.groups == (("a", "b"),) and known.correlation[0, 1] < -0.95
     assert {frozenset(d) for d in known.directions} == {frozenset("ab"), frozenset("c")}
-    notes = Calibrated.of(fit, known).notes()
+    notes = Calibrated.from_fit(fit, known).notes()
     assert any(n.startswith("not told by these channels: c") for n in notes)
     assert any(n.startswith("told together only: a, b: correlation -1.00") for n in notes)
 
@@ -179,7 +179,7 @@ def test_a_series_that_jumps_beside_the_optimum_is_told():
 
     def notes(jump: float) -> list[str]:
         model = lambda x: x[0] * t + jump * (x[0] > 2.2)  # noqa: E731
-        return Calibrated.of(*fitted(Formula(model, measured, 0.02, [key("a", 1.0)]))).notes()
+        return Calibrated.from_fit(*fitted(Formula(model, measured, 0.02, [key("a", 1.0)]))).notes()
 
     assert not any("jumps" in note for note in notes(0.0))
     assert any(note.startswith("series jumps or bends over a near its value") for note in notes(0.5))

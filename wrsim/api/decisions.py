@@ -49,7 +49,7 @@ def optimise(
         neighbours,
         optimisation_report,
         optimisation_tables,
-        verdict_words,
+        verdict_text,
     )  # fmt: skip
     from wrsim.study.optimisation.reading import read_optimisation
     from wrsim.study.optimisation.search import Search, cma_package
@@ -77,7 +77,7 @@ def optimise(
         feasible = search.best().feasible
         texts = {f"Scenario {each.name}": each.base.text for each in candidates.scenarios}
         texts = {"Optimisation": candidates.given.text} | texts
-        sentence = verdict_words(report)
+        sentence = verdict_text(report)
         page = verdict_page(candidates.title, optimisation.summary, tables, NOTES, sentence, feasible, texts, shown)
         files.append(write_atomically(computation.directory / written.PAGE, page.encode()))
         files += save_all(makers, computation.directory) if pictures else []

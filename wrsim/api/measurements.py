@@ -124,7 +124,7 @@ def calibrate(
             fit = Fit(calibration, work, computation.notify)
             fit.begin()
             fit.run()
-            calibrated = outcome.Calibrated.of(fit, knowledge(fit))
+            calibrated = outcome.Calibrated.from_fit(fit, knowledge(fit))
         numbers, notes, makers = calibrated.numbers(), calibrated.notes(), calibrated.figures()
         tables = [calibrated.keys_table(), calibrated.targets_table()]
         texts = {"Calibration": calibration.given.text} | {

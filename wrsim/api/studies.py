@@ -159,11 +159,11 @@ def run_type_test(
         ran, markers = computation.run_missing(plan, retry, "runs")
         with timed("verdicts"):
             verdicts, notes = tests.verdicts(programme, markers)
-            numbers, sentence = tests.verdict_numbers(plan.title, verdicts, notes), tests.verdict_words(verdicts)
+            numbers, sentence = tests.verdict_numbers(plan.title, verdicts, notes), tests.verdict_text(verdicts)
             names = [state.name for state in programme.spec.states]
             pages = {f"State: {n}": tests.state_table([v for v in verdicts if v.state == n]) for n in names}
             texts = {"Programme": plan.source, "Base scenario": plan.text}
-            summary = tests.summary_words(programme)
+            summary = tests.summary_text(programme)
             page = verdict_page(plan.title, summary, pages, notes, sentence, numbers["passed"], texts)
             table = tests.whole_table(plan.title, verdicts)
             files = tests.write_verdicts(computation.directory, numbers, table, page)

@@ -281,13 +281,13 @@ def _signals(axles: Sequence[AxleSignals], shown: HistorySection) -> xr.Dataset:
     first, last = (pick(middles[end] for middles, _ in of_axles["sum_Y"]) for pick, end in ((min, 0), (max, -1)))
     place = np.arange(first, last + 0.5 * shown.step_m, shown.step_m)
 
-    def at(of: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def on_raster(distance: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
         columns = values.reshape(values.shape[0], -1).T
-        rastered = [np.interp(place, of, column, left=np.nan, right=np.nan) for column in columns]
+        rastered = [np.interp(place, distance, column, left=np.nan, right=np.nan) for column in columns]
         return np.stack(rastered, axis=-1).reshape(place.size, *values.shape[1:])
 
     dims = ("wheelset", "place", "wheel")
-    stacked = {name: np.stack([at(*each) for each in raw]) for name, raw in of_axles.items()}
+    stacked = {name: np.stack([on_raster(*each) for each in raw]) for name, raw in of_axles.items()}
     return xr.Dataset(
         {name: (dims[: values.ndim], values) for name, values in stacked.items()},
         coords={"place": place, "wheelset": [a.name for a in axles], "wheel": ["left", "right"]},

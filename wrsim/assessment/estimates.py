@@ -70,16 +70,17 @@ def _zone(values: Sequence[Value], settings: AssessmentSettings, statistics: Sta
 
 
 def regression(
-    values: Array, known: Mapping[Influence, Array], over: Sequence[Influence], at: Mapping[Influence, float], k: float
-) -> Regression | None:
+    values: Array, known: Mapping[Influence, Array], over: Sequence[Influence], point: Mapping[Influence, float],
+    k: float,
+) -> Regression | None:  # fmt: skip
     """Fit the values (n,) of sections, and estimate one at a place.
 
     known: influences (n,) on the sections; over: those to go by; those that the sections do not differ in are left out.
-    at: where to; the largest of the sections unless given. k: factor of the one-dimensional method. None with too few
-    sections, or where the influences cannot be separated.
+    point: where to; the largest of the sections unless given. k: factor of the one-dimensional method. None with too
+    few sections, or where the influences cannot be separated.
     """
     differ = [name for name in over if np.ptp(known[name]) > SPREAD * max(np.abs(known[name]).max(), 1e-12)]
-    place = tuple(float(at.get(name, known[name].max())) for name in differ)
+    place = tuple(float(point.get(name, known[name].max())) for name in differ)
     columns = [(known[name] - x0) / np.ptp(known[name]) for name, x0 in zip(differ, place, strict=True)]
     matrix = np.column_stack([np.ones(values.size), *columns])
     freedom = values.size - matrix.shape[1]

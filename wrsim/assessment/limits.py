@@ -23,7 +23,7 @@ Kind = Literal["passenger", "locomotive", "freight"]
 class Quantity:
     """What is judged: its symbol, its meaning, its group, how it is evaluated, and from where that comes.
 
-    of: what it belongs to: "axle", "bogie", "stop", "frame", "body" or "rest" (a vehicle at rest); takes: keys of a
+    level: what it belongs to: "axle", "bogie", "stop", "frame", "body" or "rest" (a vehicle at rest); takes: keys of a
     clause about it, with ? where it may lack; lowest: small values are the bad ones.
     """
 
@@ -32,7 +32,7 @@ class Quantity:
     meaning: str
     group: str
     shown: Shown
-    of: str
+    level: str
     evaluation: str
     takes: str
     source: str = ""
@@ -58,7 +58,7 @@ QUANTITIES: dict[str, Quantity] = {
 """By their keys, in the order of the tables."""
 QUANTITY_NAMES = Names({key: (quantity.symbol, *quantity.meaning.split(",")) for key, quantity in QUANTITIES.items()})
 """With other terms for them."""
-RUN_QUANTITIES = tuple(key for key, quantity in QUANTITIES.items() if quantity.of != "rest")
+RUN_QUANTITIES = tuple(key for key, quantity in QUANTITIES.items() if quantity.level != "rest")
 """What may be judged of runs."""
 
 

@@ -119,13 +119,13 @@ class Value:
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """over: influences that the sections differ in; at: where the value is estimated; slope: of the value, for each of
-    them; fit: value there; deviation: s; estimate: the upper bound. For pictures: places (n,) of the sections along the
-    first influence, and their values (n,) moved to where the others are when estimated. SI units.
+    """over: influences that the sections differ in; point: where the value is estimated; slope: of the value, for each
+    of them; fit: value there; deviation: s; estimate: the upper bound. For pictures: places (n,) of the sections along
+    the first influence, and their values (n,) moved to where the others are when estimated. SI units.
     """
 
     over: tuple[Influence, ...]
-    at: tuple[float, ...]
+    point: tuple[float, ...]
     slope: tuple[float, ...]
     fit: float
     deviation: float
@@ -307,8 +307,8 @@ def _value(v: Value) -> dict[str, Any]:
 def _zone(z: ZoneValue) -> dict[str, Any]:
     factor, r = z.worst.quantity.shown.factor, z.regression
     over = [
-        {"influence": name, "unit": scale.symbol, "at": at * scale.factor, "slope": b * factor / scale.factor}
-        for name, at, b in (() if r is None else zip(r.over, r.at, r.slope, strict=True))
+        {"influence": name, "unit": scale.symbol, "at": point * scale.factor, "slope": b * factor / scale.factor}
+        for name, point, b in (() if r is None else zip(r.over, r.point, r.slope, strict=True))
         for scale in (INFLUENCES[name],)
     ]
     return {
@@ -367,9 +367,9 @@ def _regressions_table(assessment: Assessment) -> list[Table]:
             short |= {row.worst.section.zone} if assessment.estimate_over else set()
         elif row.worst.limit is not None:
             factor, slopes = converted(judged.shown).factor, dict.fromkeys(assessment.estimate_over, "")
-            for name, slope, at in zip(r.over, r.slope, r.at, strict=True):
+            for name, slope, point in zip(r.over, r.slope, r.point, strict=True):
                 unit = converted(INFLUENCES[name])
-                place = quantity(at * unit.factor, unit.symbol)
+                place = quantity(point * unit.factor, unit.symbol)
                 slopes[name] = f"{formatted(slope * factor / unit.factor, '.3g')} at {place}"
             numbers = (value * factor for value in (r.fit, r.deviation, r.estimate))
             rows.append((judged.symbol, row.zone, *slopes.values(), *numbers))

@@ -224,9 +224,9 @@ class RulesFile(Section, header="a rule set"):
         """The clause about a quantity; None without one."""
         return next((each for each in self.clauses if each.quantity == quantity), None)
 
-    def judging(self, *of: str) -> list[ClauseSection]:
+    def judging(self, *levels: str) -> list[ClauseSection]:
         """The clauses about what belongs to these."""
-        return [each for each in self.clauses if QUANTITIES[each.quantity].of in of]
+        return [each for each in self.clauses if QUANTITIES[each.quantity].level in levels]
 
     @property
     def needed(self) -> Mapping[str, int]:

@@ -99,14 +99,14 @@ class Forces:
 SIGNALS: dict[str, Callable[[Forces, float | None], Array]] = {
     "sum_Y": Forces.sum_y,
     "sum_Y_qst": Forces.sum_y,
-    "Y": lambda own, low_pass: own.forces(low_pass)[0],
+    "Y": lambda axle, low_pass: axle.forces(low_pass)[0],
     "Y_over_Q": Forces.quotient,
     "Y_over_Q_qst": Forces.quotient,
     "Y_over_Q_nadal": Forces.quotient,
-    "sum_Y_share": lambda own, low_pass: np.abs(own.sum_y(low_pass)) / own.load,
-    "Q_share": lambda own, low_pass: own.forces(low_pass)[1] / (0.5 * own.load),
-    "Q": lambda own, low_pass: own.forces(low_pass)[1],
-    "side_Q_share": lambda own, low_pass: own.forces(low_pass)[1] / own.load,
+    "sum_Y_share": lambda axle, low_pass: np.abs(axle.sum_y(low_pass)) / axle.load,
+    "Q_share": lambda axle, low_pass: axle.forces(low_pass)[1] / (0.5 * axle.load),
+    "Q": lambda axle, low_pass: axle.forces(low_pass)[1],
+    "side_Q_share": lambda axle, low_pass: axle.forces(low_pass)[1] / axle.load,
     "side_Y_over_Q": Forces.quotient,
 }
 """Signals (n,) of a wheelset or (n, 2) of wheels, of which percentiles are judged."""

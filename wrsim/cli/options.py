@@ -46,15 +46,15 @@ def command(
     *,
     draws: Sequence[str] = (),
     adds: Sequence[str] = ("force", "as_json", "units"),
-    of: str = "",
+    source: str = "",
     reads: str = "",
     further: Sequence[inspect.Parameter] = (),
 ) -> Callable[..., None]:
     """The command of a function of the API: it prints what the function gives and ends with its exit code.
 
     complete: gives further values, or refuses those that are given; draws: options of `wrsim.look`; adds, further:
-    options that the function does not have; of, reads: parameters with the result that it reports on, of several the
-    first one, and with files that it reads.
+    options that the function does not have; source, reads: parameters with the result that it reports on, of several
+    the first one, and with files that it reads.
     """
     parameters = {each.name: each for each in PARAMETERS[api]}
     first = next(iter(parameters))
@@ -76,7 +76,7 @@ def command(
             for each in taken:
                 _place(each, given, given.get(first))
             if "force" in given:
-                results = _paths(given.get(of))
+                results = _paths(given.get(source))
                 read = [path for name in reads.split() for path in _paths(given.get(name))]
                 result = results[0] if results else None
                 stack.enter_context(writing_files(as_json, given["force"], *results[1:], *read, of=result))

@@ -91,8 +91,8 @@ def _entry(data: list[Any], part: str | int, done: KeyPath) -> int:
         if names.count(part) == 1:
             return names.index(part)
         known = [name for name in names if name]
-        of = f"the names are {', '.join(known)}{suggest(part, known)}" if known else "entries are numbered from 0"
-        raise InputError(f"{dotted((*done, part))}: {dotted(done)} has no one entry '{part}'; {of}")
+        allowed = f"the names are {', '.join(known)}{suggest(part, known)}" if known else "entries are numbered from 0"
+        raise InputError(f"{dotted((*done, part))}: {dotted(done)} has no one entry '{part}'; {allowed}")
     if int(part) >= len(data):
         several = f"there are {len(data)}, [0] to [{len(data) - 1}]"
         there = ("it is empty", "there is [0]", several)[min(len(data), 2)]

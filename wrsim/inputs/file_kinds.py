@@ -34,7 +34,7 @@ ENDINGS: dict[str, str] = _TABLES["endings"]
 """Files that are not TOML, by the ending of their name, and the commands that take them."""
 OTHER_NAMES: dict[str, str] = _TABLES["other_names"]
 """Other names of kinds of files, that are understood."""
-WORDS = packaged("wrsim.inputs", "words.toml")
+TERMS = packaged("wrsim.inputs", "words.toml")
 """Words of other programs and of the field, names of units, hints for messages."""
 
 

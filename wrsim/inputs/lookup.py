@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from wrsim.errors import InputError
-from wrsim.inputs.file_kinds import WORDS
+from wrsim.inputs.file_kinds import TERMS
 from wrsim.inputs.toml_files import KEPT, Kept, out_of_reach, reading_within
 from wrsim.inputs.values import nearest
 
@@ -84,7 +84,7 @@ class Finder:
         return nearest(file.as_posix(), known) or stems.get(nearest(file.stem, list(stems)) or "")
 
 
-OTHER_NAMES: dict[str, str] = WORDS["profiles"]
+OTHER_NAMES: dict[str, str] = TERMS["profiles"]
 """Former and other names of profiles."""
 
 ESCAPES = {"\t": "t", "\n": "n", "\r": "r", "\b": "b", "\f": "f", "\x1b": "e"}

@@ -21,7 +21,7 @@ from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, Validatio
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from wrsim.errors import nearest
-from wrsim.inputs.file_kinds import WORDS, packaged
+from wrsim.inputs.file_kinds import TERMS, packaged
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.us_units import converted, metric, metric_key
 from wrsim.inputs.values import choice, entry_of, fields, refusal, refuse, requirement, table_header, unpacked
@@ -32,7 +32,7 @@ FAULT, ABSENT, UNKNOWN = "fault", "absent", "unknown"
 MOST_FAULTS = 50
 """Faults of one file that are listed; more are counted."""
 ALIASES: dict[str, dict[str, list[str]]] = packaged("wrsim.inputs", "aliases.toml")
-UNITS: dict[str, str] = WORDS["units"]
+UNITS: dict[str, str] = TERMS["units"]
 """Unit endings of keys and how they are written in a sentence."""
 THERMAL = ("_W_per_mK", "_J_per_kgK", "_kg_per_m3")
 TO_SI: dict[str, Callable[[float], float]] = {

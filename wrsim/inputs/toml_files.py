@@ -16,7 +16,7 @@ from typing import Any
 
 from wrsim import system
 from wrsim.errors import InputError
-from wrsim.inputs.file_kinds import ENDINGS, WORDS
+from wrsim.inputs.file_kinds import ENDINGS, TERMS
 
 _PLACE = re.compile(r" \(at line (\d+), column (\d+)\)")
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
@@ -257,7 +257,7 @@ def _syntax_message(reason: str, text: str, name: str) -> str:
     if place := _PLACE.search(reason):
         row, column = int(place[1]), int(place[2])
     reason = _PLACE.sub("", reason).replace(" (at end of document)", " at the end of the file")
-    reason += next((hint for cause, hint in WORDS["syntax"].items() if cause in reason), "")
+    reason += next((hint for cause, hint in TERMS["syntax"].items() if cause in reason), "")
     message = f"{name}:{row}:{column}: not valid TOML: {reason[:1].lower()}{reason[1:]}"
     if 0 < row <= len(source) and len(source[row - 1]) <= 120:
         line = source[row - 1].expandtabs(1)
@@ -269,7 +269,7 @@ def _syntax_message(reason: str, text: str, name: str) -> str:
 
 def value_hint(value: str) -> str:
     """A hint on a text that is no value of TOML, on a line of its own; or nothing."""
-    hints = (f"\n    {hint}" for pattern, hint in WORDS["hints"].items() if re.fullmatch(pattern, value))
+    hints = (f"\n    {hint}" for pattern, hint in TERMS["hints"].items() if re.fullmatch(pattern, value))
     return next(hints, "").format(value, value.replace(",", "."))
 
 

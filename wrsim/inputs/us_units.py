@@ -13,7 +13,7 @@ FACTORS: dict[str, tuple[str, float]] = {
     "kip_per_in": ("kN_per_m", KIP / 0.0254), "ksi": ("MPa", KIP / 0.64516),
 }  # fmt: skip
 """Unit endings, the metric ones in their place, and factors to those."""
-WORDS = {"superelevation": "cant"}
+TERMS = {"superelevation": "cant"}
 """US words at the beginning of keys."""
 
 
@@ -34,8 +34,8 @@ def metric(key: str) -> Metric | None:
     """The metric key of one in US units; None for other keys."""
     if key == "radius_deg":
         return Metric("radius_m", lambda degrees: 1.0 / chord_curvature(degrees))
-    word = next((word for word in WORDS if key.startswith(f"{word}_")), None)
-    plain = key if word is None else WORDS[word] + key.removeprefix(word)
+    word = next((word for word in TERMS if key.startswith(f"{word}_")), None)
+    plain = key if word is None else TERMS[word] + key.removeprefix(word)
     for unit in sorted(FACTORS, key=len, reverse=True):
         if plain.endswith(f"_{unit}"):
             name, factor = FACTORS[unit]
@@ -52,7 +52,7 @@ def us_keys(key: str) -> tuple[str, ...]:
     """The keys in US units of a metric key."""
     named = sorted(((name, unit) for unit, (name, _) in FACTORS.items()), key=lambda pair: len(pair[0]), reverse=True)
     plain = next((f"{key.removesuffix(name)}{unit}" for name, unit in named if key.endswith(f"_{name}")), "")
-    renamed = (f"{word}{plain.removeprefix(ours)}" for word, ours in WORDS.items() if plain.startswith(f"{ours}_"))
+    renamed = (f"{word}{plain.removeprefix(ours)}" for word, ours in TERMS.items() if plain.startswith(f"{ours}_"))
     return tuple(filter(None, (plain, *renamed, "radius_deg" if key == "radius_m" else "")))
 
 

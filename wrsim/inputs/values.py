@@ -23,7 +23,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from wrsim.errors import nearest
-from wrsim.inputs.file_kinds import WORDS
+from wrsim.inputs.file_kinds import TERMS
 
 MOST_POINTS = 100_000
 """Longest series that ``{from, to, step}`` may describe."""
@@ -153,7 +153,7 @@ def requirement(annotation: Any) -> str:
     """Text of what is allowed, to follow "must be"."""
     base, limits, description, _ = unpacked(annotation)
     if base in (int, float):
-        return _number_words(base, limits, description)
+        return _number_text(base, limits, description)
     if description:
         return description.replace("{each}", requirement(entry_of(annotation)) if entry_of(annotation) else "")
     if get_origin(base) is Literal:
@@ -172,7 +172,7 @@ def requirement(annotation: Any) -> str:
     return "text in quotes"
 
 
-ELSEWHERE: dict[str, list[str]] = WORDS["elsewhere"]
+ELSEWHERE: dict[str, list[str]] = TERMS["elsewhere"]
 """Words of other programs and of the field, and what comes nearest to them here."""
 
 
@@ -213,7 +213,7 @@ def number_limits(limits: tuple[Any, ...]) -> tuple[float, float, bool]:
     return low, high, excluded
 
 
-def _number_words(base: type, limits: tuple[Any, ...], description: str) -> str:
+def _number_text(base: type, limits: tuple[Any, ...], description: str) -> str:
     if description and not limits:
         return description
     lowest, highest, excluded = number_limits(limits)

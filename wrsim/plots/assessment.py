@@ -129,8 +129,8 @@ def track_diagram(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> F
         track_layout(axes, first)
         mark_snapshots(axes, first)
         mark_stop(axes, first)
-        for _, at, _ in events(dataset):
-            axes.axvline(at, color=STOP_COLOUR, linewidth=1.0)
+        for _, event, _ in events(dataset):
+            axes.axvline(event, color=STOP_COLOUR, linewidth=1.0)
         axes.set_xlim(place[0], place[-1])
 
     return panels("", [draw], 42.0)
@@ -188,11 +188,11 @@ def _fit(axes: Axes, row: ZoneValue) -> None:
     drawn, unit, factor = row.worst.quantity, INFLUENCES[r.over[0]].symbol, INFLUENCES[r.over[0]].factor
     x, y = factor * r.places, drawn.shown.factor * r.moved
     axes.plot(x, y, ".", color=INK)
-    ends = [min(x.min(), factor * r.at[0]), max(x.max(), factor * r.at[0])]
+    ends = [min(x.min(), factor * r.point[0]), max(x.max(), factor * r.point[0])]
     slope = r.slope[0] / factor
-    axes.plot(ends, [drawn.shown.factor * (r.fit + slope * (end - factor * r.at[0])) for end in ends], color=QUIET)
+    axes.plot(ends, [drawn.shown.factor * (r.fit + slope * (end - factor * r.point[0])) for end in ends], color=QUIET)
     bounds = [drawn.shown.factor * value for value in (r.fit, r.estimate)]
-    axes.plot([factor * r.at[0]] * 2, bounds, "_-", color=INK, markersize=8.0)
+    axes.plot([factor * r.point[0]] * 2, bounds, "_-", color=INK, markersize=8.0)
     axes.axhline(drawn.shown.factor * limit.value, color=STOP_COLOUR, linewidth=0.8)
     label = with_unit(drawn.symbol, drawn.shown.symbol)
     axes.set(xlabel=f"{r.over[0].replace('_', ' ')} [{unit}]", ylabel=label)

@@ -151,9 +151,9 @@ def _arc(dataset: xr.Dataset, where: PatchAt) -> float:
     here = dataset.sel(wheel=where.wheel).isel({moment_dim(dataset): where.moment})
     y, z = (shown(here, f"rail_profile_{n}") for n in ("y", "z"))
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(z)))])
-    at = int(np.argmin(np.abs(strips["strip_s"].values)))
-    point = shown(strips, "strip_y")[at], shown(strips, "strip_z")[at]
-    return float(arc[np.argmin(np.hypot(y - point[0], z - point[1]))] - shown(strips, "strip_s")[at])
+    middle = int(np.argmin(np.abs(strips["strip_s"].values)))
+    point = shown(strips, "strip_y")[middle], shown(strips, "strip_z")[middle]
+    return float(arc[np.argmin(np.hypot(y - point[0], z - point[1]))] - shown(strips, "strip_s")[middle])
 
 
 CHANNELS_DRAWN = ("Y", "Q", "Y_over_Q", "T_gamma", "lateral_shift", "yaw")

@@ -51,10 +51,10 @@ def radius_difference(axes: Axes, dataset: xr.Dataset) -> None:
     if abs(place) > 5e-3:
         note(axes, quantity(place, "mm", ".2f"), (place, 0.0), (6.0, -10.0), color=INK)
     for i, curve in enumerate(steering_summary(dataset).get("radial_steering", [])):
-        at = y.min() + 0.17 * (i % 3) * np.ptp(y)
+        place = y.min() + 0.17 * (i % 3) * np.ptp(y)
         for sign in (1.0, -1.0):
             axes.axhline(sign * curve["needed_mm"], color=QUIET, linewidth=0.7, linestyle=(0, (4, 2)))
-        note(axes, f"R {curve['curve_radius_m']:g} m", (at, curve["needed_mm"]), (2.0, 2.0), fontsize=6.5)
+        note(axes, f"R {curve['curve_radius_m']:g} m", (place, curve["needed_mm"]), (2.0, 2.0), fontsize=6.5)
     axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Rolling radius difference $\\Delta r$ [mm]")
     remark(axes, "left minus right")
 

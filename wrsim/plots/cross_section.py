@@ -33,10 +33,10 @@ def has_outlines(dataset: xr.Dataset) -> bool:
 
 def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> None:
     """Draw the rail and the wheel of one moment as cut solids, in mm."""
-    at = {"wheel": list(dataset["wheel"].values).index(wheel), moment_dim(dataset): moment}
+    index = {"wheel": list(dataset["wheel"].values).index(wheel), moment_dim(dataset): moment}
     for part, fill, beyond, order in (("rail", RAIL_FILL, -300.0, 1.0), ("wheel", WHEEL_FILL, 300.0, 1.1)):
         coordinates = (dataset.variables[f"{part}_profile_{n}"] for n in "yz")
-        y, z = (1e3 * line.isel(at, missing_dims="ignore").values for line in coordinates)
+        y, z = (1e3 * line.isel(index, missing_dims="ignore").values for line in coordinates)
         finite = np.isfinite(y) & np.isfinite(z)
         if not finite.any():
             continue

@@ -141,8 +141,8 @@ def draw_gallery(
     bar = figure.colorbar(colours, cax=place, orientation="horizontal")
     bar.set_label("Contact pressure p [MPa]", labelpad=1.0)
     bar.ax.tick_params(width=0.4)
-    at = (76.0, top + 1.0) if beside else (6.0, top + FOOT - 2.0)
-    theme.write_text(figure, *at, reading, fontsize=6.8, color=theme.QUIET)
+    corner = (76.0, top + 1.0) if beside else (6.0, top + FOOT - 2.0)
+    theme.write_text(figure, *corner, reading, fontsize=6.8, color=theme.QUIET)
     return figure
 
 

@@ -195,8 +195,8 @@ def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> 
         return axes
     x, _ = theme.abscissa(dataset)
     places = np.interp(dataset["snapshot_time"].values, dataset["time"].values, x)
-    for at in places:
-        axes.axvline(at, **SNAPSHOT)
+    for snapshot in places:
+        axes.axvline(snapshot, **SNAPSHOT)
     close = np.diff(places, prepend=-np.inf) <= CLOSE * np.ptp(x)
     for group in np.split(np.arange(places.size), np.flatnonzero(~close))[1:] if letters else ():
         marks.note_above(axes, " ".join(map(snapshot_letter, group.tolist())), float(places[group].mean()))
@@ -386,8 +386,8 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str], abov
     def panel(axes: Axes, _: xr.Dataset, name: str) -> None:
         (x, _name), values = theme.abscissa(dataset), theme.shown(dataset, name)
         for i in np.argsort(-np.ptp(values, axis=0), kind="stable"):  # small ones last, or large ones hide them
-            at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
-            marks.draw_line(axes, at, values[:, i], **(looks[i] | crowded(values[:, i])))
+            places = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
+            marks.draw_line(axes, places, values[:, i], **(looks[i] | crowded(values[:, i])))
         axes.set_ylabel(
             CHANNELS[name].label.replace(" of the body", "").replace(" of the bridge", "").replace(" [", "\n[")
         )

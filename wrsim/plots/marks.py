@@ -36,10 +36,10 @@ SUDDEN, SMALL = 8.0, 1.0 / 12.0
 more than this part of what is a jump anywhere."""
 
 
-def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **options: Any) -> None:
+def note(axes: Axes, text: str, point: tuple[float, float], offset: tuple[float, float], **options: Any) -> None:
     """Small words beside a point of the data; offset: from the point, in points."""
     settings: dict[str, Any] = {"textcoords": "offset points", "fontsize": 6.5, "color": QUIET} | options
-    axes.annotate(minus(text), at, xytext=offset, **settings)
+    axes.annotate(minus(text), point, xytext=offset, **settings)
 
 
 def note_above(axes: Axes, text: str, x: float, lift: float = 1.5) -> None:
@@ -191,8 +191,8 @@ def broken(
     x: NDArray[Any], y: NDArray[Any], jump: float, *, by: NDArray[Any] | None = None
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Copies of (x, y) for a line interrupted at the ``jumps`` of ``by`` (default: y)."""
-    at = jumps(y if by is None else by, jump)
-    return np.insert(x.astype(float), at, 0.5 * (x[at - 1] + x[at])), np.insert(y.astype(float), at, np.nan)
+    gaps = jumps(y if by is None else by, jump)
+    return np.insert(x.astype(float), gaps, 0.5 * (x[gaps - 1] + x[gaps])), np.insert(y.astype(float), gaps, np.nan)
 
 
 def is_stopped(dataset: xr.Dataset) -> bool:
@@ -220,5 +220,5 @@ def stop_note(dataset: xr.Dataset) -> str:
 def _place(dataset: xr.Dataset) -> tuple[float, str]:
     x, name = abscissa(dataset)
     unit = CHANNELS[name].shown.symbol
-    at = finite(dataset.attrs.get(f"stop_{name}_{unit}"))
-    return (at if at is not None else float(x[-1]) if x.size else 0.0), unit
+    stop = finite(dataset.attrs.get(f"stop_{name}_{unit}"))
+    return (stop if stop is not None else float(x[-1]) if x.size else 0.0), unit

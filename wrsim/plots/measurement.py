@@ -59,8 +59,8 @@ def scatter_figure(title: str, shown: Mapping[str, tuple[Array, Array]], groups:
     def draw(axes: Axes, label: str) -> None:
         measured, model = shown[label]
         for name in dict.fromkeys(groups[label]):
-            of = np.array(groups[label]) == name
-            axes.plot(measured[of], model[of], "o", markersize=2.8, color=colour[name], alpha=0.8)
+            members = np.array(groups[label]) == name
+            axes.plot(measured[members], model[members], "o", markersize=2.8, color=colour[name], alpha=0.8)
         both = np.concatenate([measured, model])
         low, high = both.min() - 0.05 * np.ptp(both), both.max() + 0.05 * np.ptp(both)
         axes.plot([low, high], [low, high], color=QUIET, linewidth=0.8)

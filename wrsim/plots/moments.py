@@ -41,8 +41,8 @@ def choose_moments(dataset: xr.Dataset, most: int) -> list[int]:
 
 def patches_at(dataset: xr.Dataset, moment: int, wheel: str) -> list[PatchAt]:
     """Patches of one wheel at a moment."""
-    at = _indices(dataset, PatchAt(moment, wheel, 0)) | {"patch": slice(None)}
-    finite = np.isfinite(dataset.variables["strip_p"].isel(at).values)
+    index = _indices(dataset, PatchAt(moment, wheel, 0)) | {"patch": slice(None)}
+    finite = np.isfinite(dataset.variables["strip_p"].isel(index).values)
     return [PatchAt(moment, wheel, int(k)) for k in np.flatnonzero(finite.any(axis=-1))]
 
 
@@ -53,11 +53,13 @@ def snapshot_letter(index: int) -> str:
 
 def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
     """The strips of one patch by increasing s: the channels that are drawn, with the ``strip`` dimension alone."""
-    at = _indices(dataset, where)
+    index = _indices(dataset, where)
     # plain arrays: labels of everything, carried along, cost a tenth of a gallery
     names = ("s", "ds", "x", "a", "p", "angle", "y", "z", "N")
     drawn = {f"strip_{n}": dataset.variables[f"strip_{n}"] for n in names if f"strip_{n}" in dataset}
-    values = {name: var.values[tuple(at.get(str(dim), slice(None)) for dim in var.dims)] for name, var in drawn.items()}
+    values = {
+        name: var.values[tuple(index.get(str(dim), slice(None)) for dim in var.dims)] for name, var in drawn.items()
+    }
     used = order_of_strips(values["strip_s"], values["strip_p"])
     return xr.Dataset({name: ("strip", var[used], drawn[name].attrs) for name, var in values.items()})
 

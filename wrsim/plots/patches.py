@@ -83,10 +83,10 @@ def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> st
     letters: each formula of matplotlib's is parsed for some milliseconds."""
     wheel = list(dataset["wheel"].values).index(where.wheel)
     sample = "time" if "time" in dataset.dims else "pose"
-    at = {sample: sample_of(dataset, where.moment), "patch": where.patch, "wheel": wheel}
+    index = {sample: sample_of(dataset, where.moment), "patch": where.patch, "wheel": wheel}
 
     def term(name: str, symbol: str, form: str, unit: str) -> str:
-        value = float(dataset.variables[name].isel(at)) * CHANNELS[name].shown.factor if name in dataset else np.nan
+        value = float(dataset.variables[name].isel(index)) * CHANNELS[name].shown.factor if name in dataset else np.nan
         return f"{symbol} = {formatted(value, form)}{unit}" if np.isfinite(value) else ""
 
     pressure = (term("p0", "p₀", ".0f", " MPa"), term("N", "N", ".1f", " kN") if force else "")

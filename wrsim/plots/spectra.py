@@ -27,8 +27,8 @@ def _over_frequency(axes: Axes, data: xr.Dataset, name: str, look: tuple[str, in
     across, power, decades, markersize = look
     shown = spectra_in_words(data)[1]
     values = {
-        part: (data[across].values, shown.factor**power * data[name].isel(at).values)
-        for part, at in parts_of_channel(data).items()
+        part: (data[across].values, shown.factor**power * data[name].isel(index).values)
+        for part, index in parts_of_channel(data).items()
     }
     over_frequency(axes, values, float(data["frequency"][1]), decades, markersize)
     unit = shown.symbol

@@ -71,10 +71,10 @@ def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> None:
         i, j = np.nonzero(branch == number)
         line: dict[str, Any] = {"color": "#c4c4c4", "linewidth": 0.8, "zorder": 1.5}
         if rank < NAMED:
-            at = int(np.argmin(damping[i, j]))
-            frequency = quantity(float(dataset["mode_frequency"].values[i[at], j[at]]), "Hz", ".2f")
-            mode = f"{dataset['mode_name'].values[i[at], j[at]]}, {frequency}"
-            label = f"{mode} at {quantity(float(speed[i[at]]), 'km/h', '.0f')}"
+            lowest = int(np.argmin(damping[i, j]))
+            frequency = quantity(float(dataset["mode_frequency"].values[i[lowest], j[lowest]]), "Hz", ".2f")
+            mode = f"{dataset['mode_name'].values[i[lowest], j[lowest]]}, {frequency}"
+            label = f"{mode} at {quantity(float(speed[i[lowest]]), 'km/h', '.0f')}"
             line = {"color": SERIES_COLOURS[rank], "zorder": 3.0, "label": label}
         axes.plot(speed[i], values[i, j], marker="o" if len(i) == 1 else None, markersize=2.0, **line)
     if name == "mode_damping":

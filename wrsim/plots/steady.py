@@ -62,8 +62,8 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
         if name != "Q":
             axes.axhline(0.0, color=QUIET, linewidth=0.5)
         axes.set(xlabel=label, ylabel=f"Outer wheel: {channel.short_label}" if of_wheels else channel.label)
-        for at in x[failed]:
-            axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=DOTS)
+        for curve in x[failed]:
+            axes.axvline(curve, color=STOP_COLOUR, linewidth=0.5, linestyle=DOTS)
 
     note = f"{failed.sum()} of {failed.size} curves have no steady motion" if failed.any() else ""
     draws = [partial(draw, name=name) for name in PANELS]

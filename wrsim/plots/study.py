@@ -124,8 +124,8 @@ def curves_figure(dataset: xr.Dataset, outputs: Sequence[str], x: str) -> Figure
             axes.plot(place, values.median(rest), linewidth=0.9, **look)
         if not numeric:
             axes.set_xticks(place, [str(v) for v in sorted_[x].values], fontsize=6.0, rotation=20, ha="right")
-        for at in place[lost]:
-            axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=DOTS)
+        for case in place[lost]:
+            axes.axvline(case, color=STOP_COLOUR, linewidth=0.5, linestyle=DOTS)
         axes.set_xlabel(axis_label(dataset, x))
         axes.set_title(label_of(dataset, name), fontsize=7.0)
 
@@ -147,8 +147,8 @@ def samples_figure(dataset: xr.Dataset, outputs: Sequence[str], keys: Sequence[s
         x, values = of_cases(dataset, key), dataset[name].values.ravel()
         good = done & np.isfinite(values)
         axes.plot(x[good], values[good], ".", color=SERIES_COLOURS[0], markersize=2.4)
-        for at in x[~done]:
-            axes.axvline(at, ymax=0.05, color=STOP_COLOUR, linewidth=0.7)
+        for case in x[~done]:
+            axes.axvline(case, ymax=0.05, color=STOP_COLOUR, linewidth=0.7)
         constant = good.sum() < 3 or np.ptp(x[good]) == 0.0 or np.ptp(values[good]) == 0.0
         rank = 0.0 if constant else scipy.stats.spearmanr(x[good], values[good]).statistic
         axes.set_title(f"rank correlation {formatted(float(rank), '.2f')}", fontsize=6.0, color=QUIET)
@@ -173,9 +173,9 @@ def sensitivity_figure(dataset: xr.Dataset, table: Mapping[str, Any]) -> Figure:
         for j, kind in enumerate(kinds):
             rows = [indices[kind] for _, indices in keys]
             value, low, high = (np.array([row[end] for row in rows], dtype=float) for end in ("value", "low", "high"))
-            at = np.arange(len(rows)) + (j - 0.5 * (len(kinds) - 1)) * 0.36
-            axes.barh(at, value, height=0.34, color=SERIES_COLOURS[j], alpha=0.55, linewidth=0.0)
-            axes.hlines(at, low, high, color=INK, linewidth=0.8)
+            y = np.arange(len(rows)) + (j - 0.5 * (len(kinds) - 1)) * 0.36
+            axes.barh(y, value, height=0.34, color=SERIES_COLOURS[j], alpha=0.55, linewidth=0.0)
+            axes.hlines(y, low, high, color=INK, linewidth=0.8)
         labels = ["\n".join(wrap(key.partition(".")[2], LETTERS + 10)) for key, _ in keys]  # without the table
         axes.set_yticks(range(len(keys)), labels, fontsize=6.0)
         axes.set(ylim=(len(keys) - 0.4, -0.6), title=label_of(dataset, name), xlabel=f"Sensitivity ({table['method']})")
@@ -197,10 +197,11 @@ def percentiles_figure(dataset: xr.Dataset, outputs: Sequence[str]) -> Figure:
         values = values[np.isfinite(values)]
         share = 100.0 * np.arange(1, values.size + 1) / values.size
         axes.step(values, share, where="post", color=SERIES_COLOURS[0])
-        for percentile, at in zip(PERCENTILES, np.percentile(values, PERCENTILES), strict=True):
-            axes.plot([at, at], [0.0, percentile], color=INK, linewidth=0.6, linestyle=(0, (2, 2)))
+        for percentile, quantile in zip(PERCENTILES, np.percentile(values, PERCENTILES), strict=True):
+            axes.plot([quantile, quantile], [0.0, percentile], color=INK, linewidth=0.6, linestyle=(0, (2, 2)))
             box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.8}
-            note(axes, formatted(float(at)), (at, percentile), (3.0, -6.0), fontsize=6.0, color=INK, bbox=box)
+            point, label = (quantile, percentile), formatted(float(quantile))
+            note(axes, label, point, (3.0, -6.0), fontsize=6.0, color=INK, bbox=box)
         axes.set(xlabel=label_of(dataset, name), ylabel="cases below [%]", ylim=(0.0, 102.0))
         axes.set_yticks((0, 25, 50, 75, 100))
 

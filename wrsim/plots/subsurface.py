@@ -47,10 +47,10 @@ def _section(axes: Axes, one: xr.Dataset, name: str, across: str) -> None:
     lines = axes.contour(x, z, values, filled.levels, colors=INK, linewidths=0.5)
     axes.clabel(lines, fontsize=6.0, fmt="%.4g")
     if name.startswith("von_mises"):
-        at = (float(shown(one, f"von_mises_{across[-1]}")), float(shown(one, "von_mises_depth")))
+        point = (float(shown(one, f"von_mises_{across[-1]}")), float(shown(one, "von_mises_depth")))
         top = quantity(float(shown(one, "von_mises_max")), CHANNELS[name].shown.symbol, ".0f")
-        axes.plot(*at, "+", color=INK, markersize=6.0, clip_on=False)
-        axes.set_title(f"Largest {top}, {quantity(at[1], 'mm', '.2f')} deep")
+        axes.plot(*point, "+", color=INK, markersize=6.0, clip_on=False)
+        axes.set_title(f"Largest {top}, {quantity(point[1], 'mm', '.2f')} deep")
     else:
         axes.set_title(f"Largest {float(shown(one, name.replace('_across', '_max'))):.3g}, limit 1")
     axes.set(xlabel=CHANNELS[across].label, ylabel=f"{CHANNELS[name].label}\n{CHANNELS['section_depth'].label}")

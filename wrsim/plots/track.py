@@ -35,7 +35,7 @@ SAMPLES, TABLE_STEP, IRREGULARITY_STEP = 400, 0.5, 0.25
 def track_figure(track: Track) -> Figure:
     """Plan view above curvature, cant, gauge, height and grade, and irregularities against distance. A level track has
     no panel of height, an even one none of irregularities."""
-    draws: list[Callable[[Axes, Track], object]] = [partial(_law, of=law) for law in LAWS]
+    draws: list[Callable[[Axes, Track], object]] = [partial(_law, look=law) for law in LAWS]
     draws += [] if track.lift is None else [rail_heights]
     draws += [] if track.centre_line.pitch_law.is_zero else [height]
     draws += [partial(irregularity, way=way) for way in ("vertical", "lateral")] if track.is_uneven else []
@@ -97,9 +97,9 @@ LAWS = (
 """Laws of a track against distance: colours, smallest spans of the axes, labels."""
 
 
-def _law(axes: Axes, track: Track, of: tuple[str, str, float, str]) -> None:
+def _law(axes: Axes, track: Track, look: tuple[str, str, float, str]) -> None:
     """One of ``LAWS``, a thin line at its usual value; a jump is a vertical line."""
-    law, colour, least, label = of
+    law, colour, least, label = look
     _against_distance(axes, track, lambda s: 1e3 * getattr(track, law)(s), colour, least)
     axes.axhline(1e3 * track.nominal_gauge if law == "gauge" else 0.0, color=QUIET, linewidth=0.5, zorder=1.5)
     axes.ticklabel_format(axis="y", useOffset=False)
@@ -127,9 +127,9 @@ def height(axes: Axes, track: Track) -> None:
         bend = np.ptp(law(start + np.array([0.0, 0.3, 0.6, 1.0]) * (end - start)))
         if bend < 1e-12 and end - start > 0.06 * track.length:
             middle = 0.5 * (start + end)
-            at = middle, float(track.centre_line.position(middle)[2])
+            point = middle, float(track.centre_line.position(middle)[2])
             grade = 1e3 * float(np.tan(law(start)))
-            note(axes, "+" * (grade >= 0.0) + quantity(grade, "‰", ".3g"), at, (0.0, 7.0), ha="center")
+            note(axes, "+" * (grade >= 0.0) + quantity(grade, "‰", ".3g"), point, (0.0, 7.0), ha="center")
     axes.set_ylabel("Height\n[m]")
 
 

@@ -19,7 +19,7 @@ from wrsim.results.summary import worst_worn
 from wrsim.results.table import formatted, quantity, with_unit
 from wrsim.results.wheelsets import numbered, wheelsets
 
-LAW_WORDS = {"usfd": "USFD", "archard": "Archard", "brr": "BRR"}
+LAW_LABELS = {"usfd": "USFD", "archard": "Archard", "brr": "BRR"}
 BESIDE = 4.0  # room beside what is worn, mm of the profile
 MOST_POINTS = 4000  # patches of a wheel in the shakedown map
 LARGEST_FRICTION = 0.6
@@ -104,7 +104,7 @@ def _over_profile(axes: Axes, dataset: xr.Dataset, name: str, body: str, **look:
 def _legend(laws: list[str]) -> list[Line2D]:
     sides = [Line2D([], [], color=colour, label=f"{side} side") for side, colour in WHEEL_COLOUR.items()]
     lines = zip(laws, GROUP_LINE, strict=False)
-    return sides + [Line2D([], [], color=INK, linestyle=line, label=LAW_WORDS[law]) for law, line in lines]
+    return sides + [Line2D([], [], color=INK, linestyle=line, label=LAW_LABELS[law]) for law, line in lines]
 
 
 def evolution_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:

@@ -120,15 +120,15 @@ def _chart(
     channel = CHANNELS[key]
     title = channel.long_name[0].upper() + channel.long_name[1:].replace(" of the body", "")
     best = max(curves, key=lambda c: float(np.nanmax(np.abs(c.values), initial=0.0)))
-    at = int(np.nanargmax(np.abs(best.values)))
+    peak = int(np.nanargmax(np.abs(best.values)))
     whose = f", {best.look['label']}" if len(curves) > 1 else ""
-    place = quantity(float(best.places[at]), along, ".1f")
+    place = quantity(float(best.places[peak]), along, ".1f")
     return {
         "key": key,
         "title": f"{title} {key}" if len(key) == 1 else title,
         "unit": channel.shown.unit,
         "note": CHARTS[key],
-        "peak": f"largest magnitude {quantity(float(best.values[at]), channel.shown.unit)} at {place}{whose}",
+        "peak": f"largest magnitude {quantity(float(best.values[peak]), channel.shown.unit)} at {place}{whose}",
         "limits": list(across) if along == "m" else [],
         "lines": [_line(c, pieces) for c in curves],
     }
@@ -149,8 +149,8 @@ def _curves(
 ) -> Iterator[Curve]:
     """The curves of one channel of one result: of wheelsets, bodies, ...; of wheels; of patches that are in use."""
     data, several = dataset[key], len(names) > 1
-    of = next((d for d in ("wheelset", *NAMED) if d in data.dims), "")
-    parts = [str(p) for p in np.atleast_1d(dataset[of].values)] if of else [""]
+    owner = next((d for d in ("wheelset", *NAMED) if d in data.dims), "")
+    parts = [str(p) for p in np.atleast_1d(dataset[owner].values)] if owner else [""]
     wheels = [str(w) for w in dataset["wheel"].values] if "wheel" in data.dims else [""]
     values = data.values.astype(float).reshape(data.sizes["time"], len(parts), len(wheels), -1)
     if on_track := key in ("curvature", "cant"):  # that of one wheelset is enough
@@ -161,19 +161,19 @@ def _curves(
     lone = not several and len(parts) == 1
     for i, part in enumerate(parts):
         places = dataset["distance" if moves else "time"].values
-        if moves and of == "wheelset" and "wheelset_distance" in dataset:
+        if moves and owner == "wheelset" and "wheelset_distance" in dataset:
             places = dataset["wheelset_distance"].values[:, i]
-        label = called.get(part, part) if len(parts) > 1 or of in NAMED else ""
+        label = called.get(part, part) if len(parts) > 1 or owner in NAMED else ""
         for (j, wheel), k in product(enumerate(wheels), patches):
             patch = f"{PATCHES[k]} patch" if len(patches) > 1 else ""
             names_of_curve = [w for w in (names[run] if several else "", label, wheel, patch) if w]
             of_series = SERIES_COLOURS[(run if several else i) % len(SERIES_COLOURS)]
             look = {
                 "label": ", ".join(names_of_curve) or CHANNELS[key].long_name,
-                "part": part if of == "wheelset" and not on_track else "",
+                "part": part if owner == "wheelset" and not on_track else "",
                 "run": run,
-                "colour": of_series if several or (of in NAMED and not lone) else WHEEL_COLOUR.get(wheel, INK),
-                "dash": DASHES[(i if several and of in NAMED else j + 2 * k if several else 2 * k) % len(DASHES)],
+                "colour": of_series if several or (owner in NAMED and not lone) else WHEEL_COLOUR.get(wheel, INK),
+                "dash": DASHES[(i if several and owner in NAMED else j + 2 * k if several else 2 * k) % len(DASHES)],
             }
             apart = jumps(angles[:, i, j, k], ANGLE_JUMP) if angles is not None else np.empty(0, np.intp)
             yield Curve(look, places, values[:, i, j, k] * CHANNELS[key].shown.factor, apart)
@@ -191,18 +191,18 @@ def envelope(places: Array, values: Array, pieces: Array) -> Array:
     (samples,), places in any order. A piece without a sample takes the value between its neighbours; outside of the
     samples, and where a piece holds nothing but not-a-number, there is none."""
     order = np.argsort(places, kind="stable")
-    at, of = places[order], values[order]
-    piece = np.clip(np.searchsorted(pieces, at, side="right") - 1, 0, pieces.size - 2)
+    ordered, signal = places[order], values[order]
+    piece = np.clip(np.searchsorted(pieces, ordered, side="right") - 1, 0, pieces.size - 2)
     starts = np.searchsorted(piece, np.arange(pieces.size - 1))
-    counts = np.diff(np.append(starts, at.size))
+    counts = np.diff(np.append(starts, ordered.size))
     ends = np.full((pieces.size - 1, 2), np.nan)
     full = counts > 0
-    low, high = (f.reduceat(of, starts[full]) for f in (np.fmin, np.fmax))
-    falls = of[starts[full]] > of[starts[full] + counts[full] - 1]
+    low, high = (f.reduceat(signal, starts[full]) for f in (np.fmin, np.fmax))
+    falls = signal[starts[full]] > signal[starts[full] + counts[full] - 1]
     ends[full] = np.where(falls[:, None], np.stack((high, low), 1), np.stack((low, high), 1))
     if not full.all():
         middles = 0.5 * (pieces[:-1] + pieces[1:])[~full]
-        ends[~full] = np.interp(middles, at, of, left=np.nan, right=np.nan)[:, None]
+        ends[~full] = np.interp(middles, ordered, signal, left=np.nan, right=np.nan)[:, None]
     return ends.ravel()
 
 

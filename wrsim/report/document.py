@@ -189,8 +189,8 @@ def _curves(summary: Summary, assessment: Assessment | None) -> str:
     return f" with {'a full curve' if len(texts) == 1 else 'full curves'} of {join_names(texts, 3)}" if texts else ""
 
 
-def contact_sentence(dataset: xr.Dataset, of: str = "") -> str:
-    """Contact model, creep forces and friction of a scenario, in a sentence; of: which one it is."""
+def contact_sentence(dataset: xr.Dataset, origin: str = "") -> str:
+    """Contact model, creep forces and friction of a scenario, in a sentence; origin: which one it is."""
     if "resolved_with" in dataset.attrs:
         return f"Contacts are solved again with {dataset.attrs['resolved_with']}."
     section = table_of_scenario(dataset, "contact")
@@ -198,7 +198,7 @@ def contact_sentence(dataset: xr.Dataset, of: str = "") -> str:
         return ""
     normal = section.get("normal", ContactSettings().normal)
     creep = section.get("tangential", USUAL[normal].tangential if normal in USUAL else "")
-    about = f"Wheel-rail contact{of}: {USUAL[normal].text if normal in USUAL else normal}"
+    about = f"Wheel-rail contact{origin}: {USUAL[normal].text if normal in USUAL else normal}"
     if creep in CREEP_LAWS and CREEP_LAWS[creep].text and dataset.attrs.get("analysis") != "conicity":
         friction = section.get("friction", DRY)
         how = f"coefficient of friction {friction:g}" if isinstance(friction, int | float) else "friction by its law"

@@ -35,7 +35,7 @@ from wrsim.vehicle.vehicle import Vehicle
 Array = NDArray[Any]
 LIMITED = ("Y_over_Q", "Q")
 """Quantities of rule sets whose limits are drawn across histories."""
-SIDE_WORDS = r"\b(left|right|outer|inner|front|rear|middle|leading|trailing|\d+)\b"
+SIDE_TERMS = r"\b(left|right|outer|inner|front|rear|middle|leading|trailing|\d+)\b"
 STRETCHED = {"stiffness": ("k", "series", "stiffness", "turning"), "damping": ("c", "damping", "turning_damping")}
 """Fields of a record ELEMENT."""
 TOKEN = "live"
@@ -201,7 +201,7 @@ def _elements(bench: Stepper, places: Places) -> Iterator[dict[str, Any]]:
     rows = bench.law.elements
     groups: dict[tuple[str, str], list[int]] = {}
     for i, element in enumerate(bench.law.vehicle.elements):
-        name = " ".join(re.sub(SIDE_WORDS, "", element.name.rpartition(".")[2]).split()) or element.name
+        name = " ".join(re.sub(SIDE_TERMS, "", element.name.rpartition(".")[2]).split()) or element.name
         for what, fields in STRETCHED.items():
             table = rows["spring_rows" if what == "stiffness" else "damper_rows"][i]
             numbers = [] if table else [*_nonzero(rows[i : i + 1], fields, places)]

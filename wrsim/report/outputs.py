@@ -158,12 +158,12 @@ def write_recording(
     return files + save_all({"recording": lambda: recording_figure(restored)} if pictures else {}, directory)
 
 
-def draw_pictures(dataset: xr.Dataset, at: Sequence[str] | None, directory: Path) -> list[Path]:
+def draw_pictures(dataset: xr.Dataset, places: Sequence[str] | None, directory: Path) -> list[Path]:
     """The standard pictures of a result; at distances [m] or poses patches and sections of one wheelset there alone."""
-    if not at:
+    if not places:
         return standard_pictures(dataset, directory)
-    moments = moments_at(dataset, at, "--at")
-    name = "_".join(file_name(place) for place in at)
+    moments = moments_at(dataset, places, "--at")
+    name = "_".join(file_name(place) for place in places)
     galleries = {"patches": patch_gallery} | ({"sections": section_gallery} if has_outlines(dataset) else {})
     figures = {f"{kind}_at_{name}": partial(make, dataset, moments) for kind, make in galleries.items()}
     return save_all(figures, directory)

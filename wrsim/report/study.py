@@ -9,7 +9,7 @@ import xarray as xr
 from wrsim import __version__
 from wrsim.plots.drawing import Makers
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, numbers_in, of_cases, study_figures
-from wrsim.plots.wear import LAW_WORDS, evolution_figures
+from wrsim.plots.wear import LAW_LABELS, evolution_figures
 from wrsim.report.document import ASKED, NO_COVER, Cover, contact_sentence, vehicle_name
 from wrsim.report.page import as_picture, last_part, page_template
 from wrsim.report.tables import BAD, OPEN, ReportVerdict
@@ -86,7 +86,7 @@ def _study_paragraph(dataset: xr.Dataset, outputs: Sequence[str], labels: Sequen
 def _evolution_paragraph(dataset: xr.Dataset) -> str:
     """Wheel, law, mileage, and how the profile changes, in sentences."""
     about, steps = dataset.attrs, dataset.sizes["point"] - 1
-    law = LAW_WORDS.get(str(about.get("law")), str(about.get("law", "")))
+    law = LAW_LABELS.get(str(about.get("law")), str(about.get("law", "")))
     mileage = quantity(1e-3 * float(dataset["mileage"].values[-1]), "km", ".6g")
     sentences = [
         f"Wheels {about.get('wheel', '')} of vehicle {vehicle_name(dataset)} wear by the law {law} over {mileage}."
@@ -99,8 +99,8 @@ def _evolution_paragraph(dataset: xr.Dataset) -> str:
         first, last = (float(v) * (1e3 if unit else 1.0) for v in dataset[name].values[[0, -1]])
         form = ".2f" if unit else ".3f"
         ends = f"from {formatted(first, form)} to {quantity(last, unit, form)}"
-        of = str(dataset[name].attrs["long_name"])
-        sentences.append(f"{of[0].upper()}{of[1:]}: {ends}.")
+        heading = str(dataset[name].attrs["long_name"])
+        sentences.append(f"{heading[0].upper()}{heading[1:]}: {ends}.")
     return " ".join(filter(None, sentences))
 
 
@@ -132,7 +132,7 @@ def _outputs(dataset: xr.Dataset, outputs: Sequence[str], labels: Sequence[str])
         values = np.where(done, of_cases(dataset, name).astype(float), np.nan)
         low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
         ends = (_text(values[low]), labels[low], _text(values[high]), labels[high])
-        rows.append((_words(dataset, name), *ends[:2], _text(np.nanmedian(values)), *ends[2:]))
+        rows.append((_label_of(dataset, name), *ends[:2], _text(np.nanmedian(values)), *ends[2:]))
     return _table(("output", "smallest", "in the case", "median", "largest", "in the case"), rows)
 
 
@@ -140,14 +140,14 @@ def _cases(dataset: xr.Dataset, outputs: Sequence[str]) -> Table | None:
     columns = [of_cases(dataset, name)[:MOST_ROWS] for name in ("name", *varied(dataset), "status", *outputs)]
     heads = ("case", *(dataset[n].attrs["key"] for n in varied(dataset)), "status")
     rows = [(str(row[0])[:12], *map(_text, row[1:])) for row in zip(*columns, strict=True)]
-    return _table((*heads, *(_words(dataset, name) for name in outputs)), rows)
+    return _table((*heads, *(_label_of(dataset, name) for name in outputs)), rows)
 
 
 def _more(count: int) -> str:
     return f"{MOST_ROWS} of {count} cases; study.csv has all" if count > MOST_ROWS else ""
 
 
-def _words(dataset: xr.Dataset, name: str) -> str:
+def _label_of(dataset: xr.Dataset, name: str) -> str:
     return label_of(dataset, name).replace("\n", " ")
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 from wrsim.assessment.outcome import NO_VERDICT, Assessment, ZoneValue
 from wrsim.errors import InputError
 from wrsim.plots.moments import moment_title, patches_at, snapshot_letter
-from wrsim.plots.wear import LAW_WORDS
+from wrsim.plots.wear import LAW_LABELS
 from wrsim.report.document import basis, is_lone
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import PATCHES
@@ -264,10 +264,10 @@ def wear_tables(dataset: xr.Dataset) -> list[Table]:
     """What wheels lose by every law, what rails lose, fatigue of the rails."""
     wear, called = summarise_wear(dataset), numbered(wheelsets(dataset))
     parts: list[tuple[str, str, dict[str, Column], dict[str, Any]]] = []
-    for law, of in wear["laws"].items():
-        wheels = {f"{called[name]}, {w}": row for name, pair in of["wheelsets"].items() for w, row in pair.items()}
-        parts.append((f"Wheels, {LAW_WORDS[law]}", "wheel", WORN_WHEELS, wheels))
-        parts.append((f"Rails, {LAW_WORDS[law]}", "rail", WORN_RAILS, of["rails"]))
+    for law, losses in wear["laws"].items():
+        wheels = {f"{called[name]}, {w}": row for name, pair in losses["wheelsets"].items() for w, row in pair.items()}
+        parts.append((f"Wheels, {LAW_LABELS[law]}", "wheel", WORN_WHEELS, wheels))
+        parts.append((f"Rails, {LAW_LABELS[law]}", "rail", WORN_RAILS, losses["rails"]))
     parts.append(("Fatigue of the rails", "rail", FATIGUE, wear["fatigue"]))
     return [
         Table(title, (Column(what), *heads.values()), [(n, *(row[key] for key in heads)) for n, row in rows.items()])

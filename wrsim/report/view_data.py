@@ -21,7 +21,7 @@ from wrsim.errors import InputError, SimulationError, in_one_line
 from wrsim.plots.cross_section import has_outlines, pressed_curve
 from wrsim.plots.moments import patches_at, select, touching_runs
 from wrsim.plots.theme import pressure_map
-from wrsim.plots.wear import LAW_WORDS
+from wrsim.plots.wear import LAW_LABELS
 from wrsim.report.page import page_template
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import PATCHES
@@ -172,9 +172,9 @@ def _run(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]) 
 
 def _bent(dataset: xr.Dataset, keep: NDArray[np.intp], events: list[dict[str, Any]]) -> dict[str, Any]:
     """Rails and axles as they are bent, and the sample for that, which becomes an event."""
-    names, at = wheelsets(dataset), float(dataset.attrs["bent_at_m"])
+    names, station = wheelsets(dataset), float(dataset.attrs["bent_at_m"])
     wheelset = names.index(str(dataset.attrs["bent_by"]).rpartition(" ")[0])
-    sample = int(np.argmin(np.abs(dataset["wheelset_distance"].values[keep, wheelset] - at)))
+    sample = int(np.argmin(np.abs(dataset["wheelset_distance"].values[keep, wheelset] - station)))
     label = "the largest vertical force, with bent rails and axles"
     events.append({"s": float(dataset["distance"].values[keep[sample]]), "words": label})
     shapes: dict[str, Any] = {"sample": sample, "wheelsets": list(names)}
@@ -205,16 +205,16 @@ def _track(dataset: xr.Dataset, place: Array, cant_base: float) -> dict[str, Any
     if "curvature" not in dataset:
         return None
     order = np.argsort(np.concatenate((place[:, -1], place[:, 0])), kind="stable")
-    at = np.concatenate((place[:, -1], place[:, 0]))[order]
-    at, first = np.unique(at, return_index=True)
-    s = np.arange(np.floor(at[0] - BEYOND), at[-1] + BEYOND, PATH_STEP)
+    stations = np.concatenate((place[:, -1], place[:, 0]))[order]
+    stations, first = np.unique(stations, return_index=True)
+    s = np.arange(np.floor(stations[0] - BEYOND), stations[-1] + BEYOND, PATH_STEP)
 
     def along(name: str) -> Array:
         if name not in dataset:
             return np.zeros(s.size)
         values = dataset[name].values
         both = np.concatenate((values[:, -1], values[:, 0]))[order][first]
-        return np.interp(s, at, both)
+        return np.interp(s, stations, both)
 
     line = centre_line(along("curvature"), along("cant"), along("grade"), cant_base)
     return {"start": float(s[0]), "step": PATH_STEP, "line": packed(line, "f8")}
@@ -323,9 +323,9 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
             for strips in touching_runs(select(one, where)):
                 curve, normal, p = pressed_curve(strips)
                 walked = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))))
-                at = 0.5 * walked[-1] * (1.0 - np.cos(np.linspace(0.0, np.pi, NODES)))
-                points_of = [np.interp(at, walked, v) for v in (*curve.T, contact_angles(*normal.T))]
-                pressure = np.interp(at, walked, p)
+                nodes = 0.5 * walked[-1] * (1.0 - np.cos(np.linspace(0.0, np.pi, NODES)))
+                points_of = [np.interp(nodes, walked, v) for v in (*curve.T, contact_angles(*normal.T))]
+                pressure = np.interp(nodes, walked, p)
                 moments.append(m)
                 shapes.append(np.stack((points_of[0], points_of[1], 10.0 * points_of[2], 50.0 * pressure / most), 1))
                 force = strips["strip_N"].values
@@ -363,8 +363,8 @@ def _outline(mine: xr.Dataset, body: str, dim: str, error: float, worn: bool) ->
 
 def _nearest(known: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     """For each of so many numbers the nearest of those that are known, which rise."""
-    at = np.clip(np.searchsorted(known, np.arange(count)), 1, max(known.size - 1, 1))
-    low, high = known[at - 1], known[np.minimum(at, known.size - 1)]
+    following = np.clip(np.searchsorted(known, np.arange(count)), 1, max(known.size - 1, 1))
+    low, high = known[following - 1], known[np.minimum(following, known.size - 1)]
     index = np.arange(count)
     return np.where(index - low <= high - index, low, high)
 
@@ -388,7 +388,7 @@ def worn_outlines(mine: xr.Dataset, on_wheel: Array, on_rail: Array) -> dict[str
         channel = CHANNELS[f"wear_{body}_depth"]
         most = float(mine.isel(wear_law=0)[channel.name].max())
         depth_texts.append(f"{body} {quantity(most * channel.shown.factor, channel.shown.symbol, '.3g')}")
-    return depths | {"words": f"wear, {LAW_WORDS[law]}: {', '.join(depth_texts)} per passage"}
+    return depths | {"words": f"wear, {LAW_LABELS[law]}: {', '.join(depth_texts)} per passage"}
 
 
 def needed(x: Array, y: Array, off: float) -> NDArray[np.intp]:

@@ -28,7 +28,7 @@ from wrsim.scenario.track_build import (
     check_flange_backs,
     check_placement,
     rails_of,
-    support_words,
+    support_text,
     surfaces_of,
     track_of,
     track_of_run,
@@ -195,7 +195,7 @@ def _build(scenario: Scenario, shared: Callable[..., Any]) -> Setup[Any]:
         conical=None if spec.contact.conical is None else spec.contact.conical.to_si(ConicalWheels),
         plan=plan,
         text=scenario.text,
-        support=support_words(track, spec.track.structure is None, rollers) if analysis.moves or rollers else "",
+        support=support_text(track, spec.track.structure is None, rollers) if analysis.moves or rollers else "",
         irregularities="; ".join(filter(None, (*(each.label() for each in spec.track.irregularities), begun))),
     )
 

@@ -206,10 +206,10 @@ def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, 
     return track.faded(float(places.max()), length), message
 
 
-def support_words(track: Track, default: bool, rollers: RollersSection | None) -> str:
+def support_text(track: Track, default: bool, rollers: RollersSection | None) -> str:
     """What the rails of a run rest on; default: nobody has said it."""
     if rollers is not None:
-        below = "" if track.structure is None else f"; {support_words(track, False, None)}"
+        below = "" if track.structure is None else f"; {support_text(track, False, None)}"
         return f"rollers of radius {plain_number(rollers.radius_mm)} mm, every wheelset over their tops{below}"
     if not isinstance(track.structure, RailElasticity):
         beam, on_bridge = isinstance(track.structure, SleeperTrack), track.bridge is not None

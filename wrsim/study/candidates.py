@@ -24,7 +24,7 @@ from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.vehicle_build import given_value, vehicle_of
 from wrsim.study.axes import AxisPoints
 from wrsim.study.engine import Work, missing
-from wrsim.study.plan import FileInput, Plan, Refused, in_words, with_cases
+from wrsim.study.plan import FileInput, Plan, Refused, value_text, with_cases
 from wrsim.study.spec import CasesSection, Keys, Name, OutputsSection, short_name
 from wrsim.study.task import COMPLETED, RESULT, Marker, read_marker
 
@@ -124,9 +124,9 @@ class Varied:
         return self.whole or bool(self.choices)
 
     @property
-    def range_words(self) -> str:
+    def range_text(self) -> str:
         """Bounds or choices, for sentences."""
-        return " or ".join(map(in_words, self.choices)) or f"{self.low:g} to {self.high:g}, start {self.start:g}"
+        return " or ".join(map(value_text, self.choices)) or f"{self.low:g} to {self.high:g}, start {self.start:g}"
 
     def value(self, x: float) -> Any:
         """The value in the file for a number: within the bounds, rounded or chosen."""
@@ -278,7 +278,7 @@ def read_candidates(
     spec: CandidatesFile = given.spec
     scenarios = []
     for name, base, weight, key in spec.named_bases():
-        loaded = load(given.found(*key, name=base), given.models)
+        loaded = load(given.file_of(*key, name=base), given.models)
         scenarios.append(OneScenario(name, loaded, weight, outputs[name], (hooks or {}).get(name, "")))
     first = scenarios[0].base
     varied = [_varied(given, i, one, first) for i, one in enumerate(spec.vary)]
@@ -314,7 +314,7 @@ def _varied(given: FileInput, i: int, one: VariedKey, scenario: Scenario) -> Var
     with given.naming("vary", i, "start", value=value):
         if one.choices:
             if value not in one.choices:
-                raise InputError(f"must be one of the choices: {', '.join(map(in_words, one.choices))}")
+                raise InputError(f"must be one of the choices: {', '.join(map(value_text, one.choices))}")
             return Varied(
                 one.key, named, 0.0, len(one.choices) - 1.0, float(one.choices.index(value)), choices=one.choices
             )

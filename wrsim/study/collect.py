@@ -22,7 +22,7 @@ from wrsim.results.sensitivity import sensitivity_tables
 from wrsim.results.table import Column, Table, with_unit
 from wrsim.results.tables import Row
 from wrsim.study.axes import AxisPoints
-from wrsim.study.plan import Plan, in_words
+from wrsim.study.plan import Plan, value_text
 from wrsim.study.sensitivity import sensitivities
 from wrsim.study.task import COMPLETED, DERAILED, Marker, read_marker
 
@@ -87,7 +87,7 @@ def labels_of(values: Sequence[Any]) -> NDArray[Any]:
     """Numbers as they are, everything else in words."""
     if all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
         return np.array(values, dtype=float)
-    return np.array([in_words(v) for v in values])
+    return np.array([value_text(v) for v in values])
 
 
 def rows_of_cases(plan: Plan, markers: Sequence[Marker]) -> list[Row]:
@@ -97,7 +97,7 @@ def rows_of_cases(plan: Plan, markers: Sequence[Marker]) -> list[Row]:
     rows: list[Row] = [["case", *varied, "status", "message", *units]]
     for case, marker in zip(plan.cases, markers, strict=True):
         values = [axis.values[i] for axis, i in zip(plan.axes, case.place, strict=True)]
-        cells = [str(v) if isinstance(v, float) else in_words(v) for row in values for v in row]
+        cells = [str(v) if isinstance(v, float) else value_text(v) for row in values for v in row]
         cells += [marker.status, marker.message.replace("\n", "; ")]
         cells += ["" if n is None else f"{n:.10g}" for n in map(marker.numbers.get, units)]
         rows.append([case.name, *cells])

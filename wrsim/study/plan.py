@@ -124,7 +124,7 @@ class FileInput:
         self.spec = check_section(kind, data, self.locate)
         self.finder = Finder.of((file.parent,), models)
 
-    def found(self, *key: str | int, name: str) -> Path:
+    def file_of(self, *key: str | int, name: str) -> Path:
         """The file that a key names."""
         with self.naming(*key, value=name):
             return self.finder.find(name)
@@ -176,7 +176,7 @@ class StudyInput(FileInput):
     def __init__(self, file: Path, what: str, kind: type[Section], models: Sequence[str | Path]) -> None:
         """Raises InputError with file, key and what is allowed."""
         super().__init__(file, what, kind, models)
-        self.base = load(self.found("base", name=self.spec.base), models)
+        self.base = load(self.file_of("base", name=self.spec.base), models)
         self.title: str = self.spec.title or self.base.title
 
     def plan(
@@ -279,11 +279,11 @@ def _label(axes: Sequence[AxisPoints], place: tuple[int, ...]) -> str:
             parts.append(f"{axis.name} {i}")
         else:
             pairs = zip(axis.columns, axis.values[i], strict=True)
-            parts += [f"{short_name(column)} {in_words(value)}" for column, value in pairs]
+            parts += [f"{short_name(column)} {value_text(value)}" for column, value in pairs]
     return ", ".join(parts)
 
 
-def in_words(value: Any) -> str:
+def value_text(value: Any) -> str:
     """A varied value for labels: six digits, texts without quotes."""
     if isinstance(value, float):
         return f"{value:.6g}"

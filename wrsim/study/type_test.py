@@ -215,11 +215,11 @@ def worst_tables(title: str, clauses: Sequence[Verdict], notes: Sequence[str]) -
             least[key] = v
     return [
         _table(title, least.values(), SHORT),
-        Table("", notes=(*(f"note: {note}" for note in notes), verdict_words(clauses))),
+        Table("", notes=(*(f"note: {note}" for note in notes), verdict_text(clauses))),
     ]
 
 
-def summary_words(programme: Programme) -> str:
+def summary_text(programme: Programme) -> str:
     """What is tested, in a few sentences."""
     spec, vehicle = programme.spec, programme.plan.vehicle
     states, runs = ", ".join(s.name for s in spec.states), ", ".join(programme.names)
@@ -228,7 +228,7 @@ def summary_words(programme: Programme) -> str:
     return f"Vehicle {vehicle}; states: {states}. Runs on {uneven}: {runs}.{rest} Rules: {programme.rules.title}."
 
 
-def verdict_words(clauses: Sequence[Verdict]) -> str:
+def verdict_text(clauses: Sequence[Verdict]) -> str:
     """The verdict in one sentence."""
     red = [v for v in clauses if not v.ok]
     if not red:

@@ -68,7 +68,7 @@ class Compared:
     pairs: list[Pair]
 
     @classmethod
-    def of(cls, result: Result, record: Record, shift: Shift) -> "Compared":
+    def from_result(cls, result: Result, record: Record, shift: Shift) -> "Compared":
         """Raises InputError for a result without history, and where nothing was measured."""
         part, values = overlap(result.dataset, record, shift.value)
         measured = part.copy()
@@ -110,7 +110,7 @@ class Validation:
                 raise InputError(f"{record.name}: {why}; --retry runs it again")
             results.append(run if isinstance(run, Result) else Result.load(run.folder_of(run.cases[0]) / RESULT))
         return [
-            Compared.of(result, record, found_shift(result.dataset, record))
+            Compared.from_result(result, record, found_shift(result.dataset, record))
             for result, record in zip(results, self.records, strict=True)
         ]
 
@@ -124,7 +124,7 @@ def read_validation(file: Path, folder: Path, models: Sequence[str | Path]) -> V
         for i, each in enumerate(spec.scenario):
             sections = [s for s in spec.measured if s.scenario in (None, each.name)]
             if each.result is not None:
-                path = given.found("scenario", i, "file", name=str(each.file))
+                path = given.file_of("scenario", i, "file", name=str(each.file))
                 with given.naming("scenario", i, "result", value=each.result):
                     result = Result.load(
                         beside if (beside := file.parent / each.result).exists() else Path(each.result)
@@ -135,7 +135,7 @@ def read_validation(file: Path, folder: Path, models: Sequence[str | Path]) -> V
                     channel_of(result.dataset, section)
                 runs.append(result)
                 continue
-            scenario = load(given.found("scenario", i, "base", name=str(each.base)), models)
+            scenario = load(given.file_of("scenario", i, "base", name=str(each.base)), models)
             records.append(record_beside(given, i, each.name, each, sections, scenario))
             plan = given.plan_of(
                 scenario, scenario.title, folder / "scenarios" / each.name, (), OutputsSection(), spec.cases
@@ -196,7 +196,7 @@ def judged(compared: Sequence[Compared]) -> tuple[list[Judged], Assessment]:
     extra = [ClauseSection.model_validate(clause) for clause in ANNEX_T["clauses"]]
     rules = rules.model_copy(update={"clauses": (*rules.clauses, *extra)})
     names = [each.record.name for each in compared]
-    of = dict(zip(names, compared, strict=True))
+    by_name = dict(zip(names, compared, strict=True))
     model, measured = (
         assess_runs([getattr(each, side) for each in compared], None, names, rules) for side in ("model", "measured")
     )
@@ -206,7 +206,7 @@ def judged(compared: Sequence[Compared]) -> tuple[list[Judged], Assessment]:
         key, zone, run = value.quantity.key, value.section.zone, value.section.run or names[0]
         no_curve = zone == STRAIGHT and key.endswith("_qst")
         other = beside.get(_key(value), np.nan)
-        if key not in differences or zone == TRANSITION or no_curve or not of[run].is_measured(value):
+        if key not in differences or zone == TRANSITION or no_curve or not by_name[run].is_measured(value):
             continue
         if np.isfinite(value.value) and np.isfinite(other):
             factor = value.quantity.shown.factor
@@ -304,7 +304,7 @@ def basis(compared: Sequence[Compared], rows: Sequence[Judged], model: Assessmen
     for each in compared:
         record = each.record
         notes += shift_notes(record, each.shift, f"{record.file.name} over {record.axis}")
-    filters = {p.series.section.label: _filter_words(p) for each in compared for p in each.pairs}
+    filters = {p.series.section.label: _filter_text(p) for each in compared for p in each.pairs}
     notes += [f"{series}: {form}" for series, form in filters.items() if form]
     counted = [s for s in model.sections if s.zone != TRANSITION]
     zones = ", ".join(f"{sum(s.zone == z for s in counted)} {z}" for z in dict.fromkeys(s.zone for s in counted))
@@ -318,7 +318,7 @@ def basis(compared: Sequence[Compared], rows: Sequence[Judged], model: Assessmen
     return [*notes, *(note for note in model.notes if "event" in note)]
 
 
-def _filter_words(pair: Pair) -> str:
+def _filter_text(pair: Pair) -> str:
     section = pair.series.section
     if section.band_Hz is not None:
         return f"band-pass {section.band_Hz[0]:g} to {section.band_Hz[1]:g} Hz"

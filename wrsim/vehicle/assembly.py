@@ -239,10 +239,10 @@ class Assembly:
                 element = table.element(Joint(full, table.kind, ends[0], ends[1]), axes)
                 self._fits(element, path)
                 normal = None if element.slider is None else element.slider.normal
-                if normal is not None and normal.of:
+                if normal is not None and normal.element:
                     repeated = (f" {to}{word}", f" {to}", word, "")
-                    names = tuple(place.prefix + normal.of + end for end in repeated)
-                    self.pressed[full] = names, (*path, "normal_spring"), normal.of
+                    names = tuple(place.prefix + normal.element + end for end in repeated)
+                    self.pressed[full] = names, (*path, "normal_spring"), normal.element
                 self.written.setdefault(full, (place.prefix, table.name))
                 yield element
 
@@ -258,12 +258,12 @@ class Assembly:
             siblings = list(dict.fromkeys(name for place, name in self.written.values() if place == prefix))
             raise self._unknown(path, "is no element", spring, siblings)
         other = known[full_name].slider
-        if other is not None and other.normal is not None and other.normal.of:
+        if other is not None and other.normal is not None and other.normal.element:
             raise self._fault(path, "depends on the load of a spring itself: must be that spring", spring)
         slider = element.slider
         if slider is None or slider.normal is None:
             return element
-        return replace(element, slider=replace(slider, normal=replace(slider.normal, of=full_name)))
+        return replace(element, slider=replace(slider, normal=replace(slider.normal, element=full_name)))
 
     def _fits(self, element: Element, path: KeyPath) -> None:
         """Springs join wheelsets on their axles, as the second body."""

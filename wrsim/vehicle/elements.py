@@ -55,13 +55,13 @@ class Tables:
 
 @dataclass(frozen=True)
 class Normal:
-    """Normal force of a slider: the force of the element ``of`` (its full name; "": the slider's own), times a factor.
+    """Normal force of a slider: the force of an element (its full name; "": the slider's own), times a factor.
 
     axis: its component, 0, 1, 2, where that element has three. sense: sign of the force that presses, of surfaces that
     may separate; None: the sign at rest.
     """
 
-    of: str
+    element: str
     factor: float = 1.0
     axis: Literal[0, 1, 2] = 2
     sense: float | None = None

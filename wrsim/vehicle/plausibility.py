@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from wrsim.vehicle.elements import Array, Element
 from wrsim.vehicle.plausible_values import overdamped
-from wrsim.vehicle.preload import WORDS, Preload, motions, preloads
+from wrsim.vehicle.preload import DIRECTIONS, Preload, motions, preloads
 from wrsim.vehicle.vehicle import Body, MountedWheelset, Vehicle
 
 RIGID_UP_TO = 100.0
@@ -54,25 +54,25 @@ test stand, which springs hold to its frame, it may be more."""
 
 @dataclass(frozen=True)
 class _Springs:
-    """Stiffness of each element in all coordinates: six of each part (``WORDS``), then pitch of the axle boxes.
+    """Stiffness of each element in all coordinates: six of each part (``DIRECTIONS``), then pitch of the axle boxes.
 
-    of: of each element, to trace a frequency to the one that causes it; stuck: of all, with friction that sticks.
+    by_element: to trace a frequency to the one that causes it; stuck: of all, with friction that sticks.
     """
 
     vehicle: Vehicle
-    of: list[Array]
+    by_element: list[Array]
     stuck: Array
 
     @classmethod
     def build(cls, vehicle: Vehicle, moved: list[tuple[Array, Array]]) -> _Springs:
-        of, stuck = [], np.zeros((6 * len(vehicle.parts) + len(vehicle.boxes),) * 2)
+        by_element, stuck = [], np.zeros((6 * len(vehicle.parts) + len(vehicle.boxes),) * 2)
         for element, (travel, turning) in zip(vehicle.elements, moved, strict=True):
             along = travel.T * element.stiffness_at_rest @ travel
-            of.append(along + turning.T * np.array(element.turning_stiffness) @ turning)
-            stuck += of[-1]
+            by_element.append(along + turning.T * np.array(element.turning_stiffness) @ turning)
+            stuck += by_element[-1]
             if element.slider is not None:
                 stuck += (element.slider.stiffness or 1e6) * travel.T @ travel
-        return cls(vehicle, of, stuck)
+        return cls(vehicle, by_element, stuck)
 
     def loose(self, places: NDArray[np.intp]) -> Array:
         """Motions of these coordinates that no spring resists, all others held: (coordinates, motions), orthonormal."""
@@ -82,7 +82,7 @@ class _Springs:
 
     @property
     def whole(self) -> Array:
-        return np.sum(self.of, axis=0) if self.of else np.zeros_like(self.stuck)
+        return np.sum(self.by_element, axis=0) if self.by_element else np.zeros_like(self.stuck)
 
     @property
     def inertia(self) -> Array:
@@ -204,7 +204,7 @@ def _gyration(vehicle: Vehicle, known: Collection[str], misplaced: bool) -> Iter
         radii = [(value / mass) ** 0.5 for value in inertia]
         wrong = [k for k in range(3) if radii[k] > most[k]]
         if wrong and part.name not in known:
-            each = _joined([f"{radii[k]:.4g} m {WORDS[3 + k]} ({inertia[k]:.4g} kg m2)" for k in wrong])
+            each = _joined([f"{radii[k]:.4g} m {DIRECTIONS[3 + k]} ({inertia[k]:.4g} kg m2)" for k in wrong])
             limits = _joined([f"{most[k]:.3g}" for k in wrong])
             message = f"radius of gyration of {what} of {mass:.4g} kg is {each}"
             yield part.name, f"{message}; plausible is up to {limits} m, as far as any mass"
@@ -260,7 +260,7 @@ def _free_directions(springs: _Springs) -> Iterator[str]:
     for i, directions in enumerate(directions_of):
         loose = springs.loose(6 * i + np.array(directions))
         if loose.size:
-            free = [WORDS[directions[k]] for k, row in enumerate(loose) if row @ row > 0.5]
+            free = [DIRECTIONS[directions[k]] for k, row in enumerate(loose) if row @ row > 0.5]
             alike.setdefault(_joined(free), []).append(_what(vehicle, i))
     for along, parts in alike.items():
         what = parts[0] + _more(parts, "part")
@@ -272,7 +272,7 @@ def _free_directions(springs: _Springs) -> Iterator[str]:
         moves = np.zeros((len(vehicle.parts), 6))
         moves[places // 6, places % 6] = np.linalg.norm(together, axis=1)
         parts = [name for name, row in zip(vehicle.names, moves, strict=True) if max(row) > 0.1 * moves.max()]
-        ways = [word for word, column in zip(WORDS, moves.T, strict=True) if max(column) > 0.1 * moves.max()]
+        ways = [word for word, column in zip(DIRECTIONS, moves.T, strict=True) if max(column) > 0.1 * moves.max()]
         message = f"{', '.join(parts)} move together {_joined(ways)}"
         yield f"{message}, and nothing holds them against {_what(vehicle, vehicle.reference)}"
 
@@ -295,16 +295,16 @@ def _frequencies(springs: _Springs, known: Collection[str]) -> Iterator[str]:
         frequency, shape = max(values[-1], 0.0) ** 0.5 / (2.0 * pi), scale * vectors[:, -1]
         limit = LONG_UP_TO if np.ptp(_held(vehicle, part.name) or [0.0]) > LONG else RIGID_UP_TO
         if frequency > limit and part.name not in on_axle and part.mass not in wrong:
-            element = vehicle.elements[int(np.argmax([shape @ k[places, places] @ shape for k in springs.of]))]
-            along = WORDS[int(np.argmax(np.abs(vectors[:, -1])))]
+            element = vehicle.elements[int(np.argmax([shape @ k[places, places] @ shape for k in springs.by_element]))]
+            along = DIRECTIONS[int(np.argmax(np.abs(vectors[:, -1])))]
             message = f"{_what(vehicle, i)} oscillates {along} at {frequency:.4g} Hz on '{element.name}'"
             message += f"; plausible is up to {limit:g} Hz, above which it bends: stiffness or mass is wrong"
             alike = element.stiffness_at_rest.tobytes()
             fastest[alike] = max(fastest.get(alike, (0.0, "")), (frequency, message))
     for place, name in enumerate(vehicle.boxes, 6 * len(vehicle.parts)):
-        k = int(np.argmax([matrix[place, place] for matrix in springs.of]))
+        k = int(np.argmax([matrix[place, place] for matrix in springs.by_element]))
         element = vehicle.elements[k]
-        squared_arm = springs.of[k][place, place] / max(element.stiffness_at_rest.max(), 1.0)
+        squared_arm = springs.by_element[k][place, place] / max(element.stiffness_at_rest.max(), 1.0)
         least = max(inertia[place], LIGHT_ARM * squared_arm / 3.0)
         frequency = (max(whole[place, place], 0.0) / least) ** 0.5 / (2.0 * pi)
         if frequency > ARMS_UP_TO:

@@ -6,7 +6,7 @@ from math import inf, pi
 import numpy as np
 
 from wrsim.vehicle.elements import Array, BilinearSpring, Element, Spring, Strut
-from wrsim.vehicle.preload import WORDS
+from wrsim.vehicle.preload import DIRECTIONS
 from wrsim.vehicle.vehicle import Vehicle
 
 MOST_DAMPED = 5.0
@@ -68,7 +68,7 @@ def overdamped(vehicle: Vehicle, moved: list[tuple[Array, Array]], stiffness: Ar
             each = [float(scale * vector @ matrix[places, places] @ (scale * vector)) for matrix in damping]
             if rate > 2.0 * pi * SLOWEST and (ratio := sum(each) / (2.0 * rate)) > MOST_DAMPED:
                 k = int(np.argmax(each))
-                message = f"'{name}' has {WORDS[int(np.argmax(np.abs(vector)))]} a damping ratio of {ratio:.3g} on"
+                message = f"'{name}' has {DIRECTIONS[int(np.argmax(np.abs(vector)))]} a damping ratio of {ratio:.3g} on"
                 message += (
                     f" '{vehicle.elements[k].name}'; plausible is up to {MOST_DAMPED:g}: is it N s/m given as kN s/m?"
                 )

@@ -16,8 +16,8 @@ from wrsim.errors import InputError, suggest
 from wrsim.vehicle.elements import Array, BilinearSpring, Element, Triple
 from wrsim.vehicle.vehicle import Body, Vehicle
 
-WORDS = ("along x", "along y", "vertically", "in roll", "in pitch", "in yaw")
-PITCH = WORDS.index("in pitch")
+DIRECTIONS = ("along x", "along y", "vertically", "in roll", "in pitch", "in yaw")
+PITCH = DIRECTIONS.index("in pitch")
 
 TOLERANCE = 1e-9
 """Largest residual over the vehicle's weight; moments are divided by 1 m."""
@@ -71,7 +71,7 @@ def preloads(vehicle: Vehicle) -> list[Preload]:
         what = what if worst < 6 * n else f"axle box '{boxes[worst - 6 * n]}'"
         rest = f"{left[worst]:.4g} {'N' if direction < 3 else 'N m'} residual"
         given = [f"; preload_kN of '{e.name}' is given" for e in vehicle.elements if e.preload is not None][:1]
-        message = f"the preload cannot be found: nothing holds {what} {WORDS[direction]} ({rest})"
+        message = f"the preload cannot be found: nothing holds {what} {DIRECTIONS[direction]} ({rest})"
         raise InputError(message + "".join(given))
     loads = []
     for element, (travel, turning) in zip(vehicle.elements, of_bodies, strict=True):
@@ -85,7 +85,7 @@ def preloads(vehicle: Vehicle) -> list[Preload]:
 def motions(vehicle: Vehicle) -> list[tuple[Array, Array]]:
     """Travel of every element along its directions, (m, n), and turning, (3, n), per motion of parts and axle boxes.
 
-    n: six coordinates of each part in the order of ``WORDS``, then the pitch of each axle box about its axle.
+    n: six coordinates of each part in the order of ``DIRECTIONS``, then the pitch of each axle box about its axle.
     """
     boxes, count = list(vehicle.boxes), 6 * len(vehicle.parts)
 
@@ -137,12 +137,13 @@ def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[in
         if element.slider is None or normal is None:
             normals.append(None)
             continue
-        name = normal.of or element.name
+        name = normal.element or element.name
         if name not in numbers:
             raise InputError(f"friction '{element.name}': there is no spring '{name}'{suggest(name, list(numbers))}")
         i = numbers[name]
         other = vehicle.elements[i]
-        if normal.of and other.slider is not None and other.slider.normal is not None and other.slider.normal.of:
+        pressing = None if other.slider is None else other.slider.normal
+        if normal.element and pressing is not None and pressing.element:
             raise InputError(f"friction '{element.name}': the friction of '{name}' depends on a load itself")
         axis, sense = int(normal.axis), normal.sense
         if sense is None:

@@ -162,9 +162,9 @@ def _solved(
     poses = poses[: len(solutions)]
     of_wheels = contact_channels(raw.first(len(solutions)), wheels)
     names = [w.name for w in wheels]
-    remarks, turned = [], _turned_words(wheels, poses, of_wheels, rolling, radius)
+    remarks, turned = [], _turned_message(wheels, poses, of_wheels, rolling, radius)
     for i, solved in enumerate(solutions):
-        flanks = [_flank_words(name, {n: v[i, j] for n, v in of_wheels.items()}) for j, name in enumerate(names)]
+        flanks = [_flank_message(name, {n: v[i, j] for n, v in of_wheels.items()}) for j, name in enumerate(names)]
         remarks.append("; ".join(filter(None, [solved.remark, *flanks, turned.get(i)])))
     channels: dict[str, ArrayLike] = {
         "load": [p.load for p in poses],
@@ -183,20 +183,20 @@ def _solved(
     return Result(assemble({"pose": [p.name for p in poses], "wheel": names}, channels, attributes))
 
 
-def _flank_words(wheel: str, of: dict[str, NDArray[np.float64]]) -> str:
+def _flank_message(wheel: str, wheel_rows: dict[str, NDArray[np.float64]]) -> str:
     """A sentence on a wheel that carries its vertical load on a flank; empty for any other."""
-    y, q = float(of["Y"]), float(of["Q"])
+    y, q = float(wheel_rows["Y"]), float(wheel_rows["Q"])
     if not (q > 0.0 and np.arctan2(abs(y), q) > STEEP):
         return ""
-    k = int(np.nanargmax(of["N"]))
-    angle, normal, pressure = (float(of[name][k]) for name in ("contact_angle", "N", "p0"))
+    k = int(np.nanargmax(wheel_rows["N"]))
+    angle, normal, pressure = (float(wheel_rows[name][k]) for name in ("contact_angle", "N", "p0"))
     return (
         f"the {wheel} wheel carries {q / 1e3:.4g} kN down on a flank of {np.degrees(angle):.3g} degrees: "
         f"N = {normal / 1e3:.4g} kN, p0 = {pressure / 1e6:.4g} MPa, and {abs(y) / 1e3:.4g} kN sideways to hold it there"
     )
 
 
-def _turned_words(
+def _turned_message(
     wheels: Sequence[WheelOnRail], poses: Sequence[Pose], channels: dict[str, Array], rolling: bool, radius: float
 ) -> dict[int, str]:
     """A sentence on each pose whose strips leave out that their influence turns with normals, though these turn by more

@@ -38,7 +38,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
             remarks.append(rolling.remark)
             report(share * 0.8 * (i + 1) / len(plan.speeds))
         worst = critical(lambda speed: rolling.modes(speed, plan), series)
-        outcome |= _critical_words(worst, series, vehicle)
+        outcome |= _critical_speed(worst, series, vehicle)
         report(share)
         if plan.cycles is not None:
             linear = np.inf if worst is None else worst.speed
@@ -53,7 +53,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
     return _result(setup, series, remarks, cycles, outcome, reason)
 
 
-def _critical_words(worst: RollingModes | None, series: list[RollingModes], vehicle: Vehicle) -> dict[str, Any]:
+def _critical_speed(worst: RollingModes | None, series: list[RollingModes], vehicle: Vehicle) -> dict[str, Any]:
     """The linear critical speed, its frequency and its mode, as attributes."""
     if worst is None:
         top = 3.6 * series[-1].speed

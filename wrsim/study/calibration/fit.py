@@ -155,10 +155,10 @@ class Fit:
             return np.full(size, FAR * self.worst / size**0.5)
         return self.residual(model, u)
 
-    def derivatives(self, u: Array, central: bool = False, of: Sequence[int] | None = None) -> Array:
+    def derivatives(self, u: Array, central: bool = False, keys: Sequence[int] | None = None) -> Array:
         """Derivatives of the weighted residual (n, keys) by differences. Raises SimulationError where no neighbour of a
         point has a result."""
-        columns = range(u.size) if of is None else of
+        columns = range(u.size) if keys is None else keys
         steps = [
             s * STEP * np.eye(u.size)[i] for i in columns for s in ((1.0, -1.0) if central else (self._side(u, i),))
         ]

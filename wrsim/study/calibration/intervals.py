@@ -144,7 +144,7 @@ def _others(fit: Fit, i: int, step: float, covariance: Array) -> float:
     bounds = tuple(b[others] for b in fit.bounds)
     solution = least_squares(
         lambda part: fit.chi2(whole(part)), np.clip(u[others], *bounds),
-        lambda part: fit.derivatives(whole(part), of=others), bounds, xtol=10.0 * TOLERANCE, ftol=10.0 * TOLERANCE,
+        lambda part: fit.derivatives(whole(part), keys=others), bounds, xtol=10.0 * TOLERANCE, ftol=10.0 * TOLERANCE,
         gtol=None, max_nfev=PROFILE_STEPS,
     )  # fmt: skip
     return 2.0 * float(solution.cost)

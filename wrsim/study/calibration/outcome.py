@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,7 @@ class Calibrated:
     after: list[Array]
 
     @classmethod
-    def of(cls, fit: Fit, known: Knowledge) -> "Calibrated":
+    def from_fit(cls, fit: Fit, known: Knowledge) -> "Calibrated":
         models = fit.models([fit.start, fit.optimum])
         assert models[0] is not None and models[1] is not None
         return cls(fit, known, models[0], models[1])
@@ -111,8 +112,8 @@ class Calibrated:
 
     def _pairs(self, group: Sequence[str]) -> str:
         names = [one.name for one in self.fit.calibration.candidates.varied]
-        at = [names.index(name) for name in group]
-        pairs = [(i, j) for k, i in enumerate(at) for j in at[k + 1 :] if abs(self.known.correlation[i, j]) >= TOGETHER]
+        positions = [names.index(name) for name in group]
+        pairs = [(i, j) for i, j in combinations(positions, 2) if abs(self.known.correlation[i, j]) >= TOGETHER]
         return ", ".join(f"correlation {self.known.correlation[i, j]:.2f}" for i, j in pairs)
 
     @property

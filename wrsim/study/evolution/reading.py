@@ -82,10 +82,10 @@ def read_evolution(file: Path, models: Sequence[str | Path] = ()) -> tuple[Evolu
         if base.analysis != "curving":
             with given.naming("base", value=spec.base):
                 raise InputError(f'its analysis is "{base.analysis}"; must be a scenario with analysis = "curving"')
-        wheel = given.found("wheel", name=spec.wheel).resolve()
+        wheel = given.file_of("wheel", name=spec.wheel).resolve()
         with given.naming("wheel", value=spec.wheel):
             unworn = load_profile(wheel, "wheel")
-        table = given.found("cases", name=spec.cases)
+        table = given.file_of("cases", name=spec.cases)
         axis = CsvAxis(kind="csv", file=str(table.resolve()))
         points, shares = _weighted(axis_points(axis, given.finder, given.locate(("cases",))))
         changes = {"wear.laws": [spec.law], "vehicle.wheel": str(wheel)}

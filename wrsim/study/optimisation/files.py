@@ -11,7 +11,7 @@ from wrsim.results.files import STUDY, as_csv, as_json
 from wrsim.results.netcdf import write_netcdf
 from wrsim.study.changed_files import file_names, write_changed
 from wrsim.study.optimisation.search import Search
-from wrsim.study.plan import in_words
+from wrsim.study.plan import value_text
 
 REPORT, HISTORY, PAGE = "optimisation.json", "history.csv", "optimisation.html"
 BEST = "best"
@@ -37,5 +37,5 @@ def write_optimisation(search: Search, dataset: xr.Dataset, report: dict[str, An
     changes = candidates.changes(best.candidate.values)
     start = candidates.changes(candidates.values(candidates.start))
     remarks = [f"wrsim optimise {candidates.given.file.name}: candidate {best.number} of {report['evaluations']}"]
-    remarks += [f"{key}: {in_words(start[key])} -> {in_words(value)}" for key, value in changes.items()]
+    remarks += [f"{key}: {value_text(start[key])} -> {value_text(value)}" for key, value in changes.items()]
     return files + write_changed(folder, BEST, candidates, best.candidate.values, "optimised", remarks)

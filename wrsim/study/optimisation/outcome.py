@@ -15,7 +15,7 @@ from wrsim.results.table import Column, Table, finite, formatted
 from wrsim.study.collect import FORMAT, labels_of
 from wrsim.study.optimisation.reading import Judged, Optimisation
 from wrsim.study.optimisation.search import LEAST, Search
-from wrsim.study.plan import in_words
+from wrsim.study.plan import value_text
 from wrsim.study.task import COMPLETED
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ def limits(search: Search, beside: Sequence[Neighbour]) -> list[str]:
         lines.append("not converged: candidates beside it are better; allow more evaluations")
     for n in beside:
         varied = search.optimisation.candidates.varied[n.key]
-        values = (in_words(one.candidate.values[n.key]) for one in (best, n.judged))
+        values = (value_text(one.candidate.values[n.key]) for one in (best, n.judged))
         way = f"{varied.name} {' -> '.join(values)}"
         if LEAST.order(n.judged) < LEAST.order(best):
             lines.append(f"not converged: {way} is better; allow more evaluations")
@@ -224,7 +224,7 @@ def history(search: Search) -> xr.Dataset:
     return xr.Dataset(variables, coords, attributes | versions())
 
 
-def verdict_words(report: dict[str, Any]) -> str:
+def verdict_text(report: dict[str, Any]) -> str:
     """How far it came, in one sentence."""
     if "front" in report:
         return f"A Pareto front of {len(report['front'])} of {report['evaluations']} candidates"

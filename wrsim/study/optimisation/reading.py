@@ -255,7 +255,7 @@ class Optimisation:
     def summary(self) -> str:
         """What is varied, sought and allowed, in sentences."""
         candidates = self.candidates
-        varied = [f"{', '.join(one.keys)} ({one.range_words})" for one in candidates.varied]
+        varied = [f"{', '.join(one.keys)} ({one.range_text})" for one in candidates.varied]
         aims = [f"{one.aim or f'target {one.target:g}'}: {one.number_name}" for one in self.spec.objective]
         allowed = f" Constraints: {'; '.join(self.margin_names)}." if self.constraints else ""
         scenarios = f" Scenarios: {', '.join(one.base.title for one in candidates.scenarios)}."

@@ -67,10 +67,10 @@ class Search:
             if one.values not in self.known:
                 self.known[one.values] = self.optimisation.judged(len(self.known) + 1, one)
         if len(self.known) > before:
-            self.notify(f"{len(self.known)} candidates, best: {self._words(self.best())}")
+            self.notify(f"{len(self.known)} candidates, best: {self._text(self.best())}")
         return [self.known[one.values] for one in candidates]
 
-    def _words(self, judged: Judged) -> str:
+    def _text(self, judged: Judged) -> str:
         costs = self.optimisation.shown(judged)
         if not judged.complete:
             return "none has a result"
