@@ -8,30 +8,30 @@ import pytest
 from support.rows import rows_of
 
 from wrsim import Arc, InputError, Straight, Track, Transition
-from wrsim.track.alignment import CantElement, Horizontal, Vertical, alignment_laws
+from wrsim.track.alignment import Cant, Plan, Profile, alignment_laws
 
 table = rows_of(__file__)
 
 PLAN = [
-    Horizontal(100.0),
-    Horizontal(80.0, 0.0, 1 / 300, "sine"),
-    Horizontal(120.0, 1 / 300, 1 / 300),
-    Horizontal(90.0, 1 / 300, -1 / 500, "helmert"),
-    Horizontal(60.0, -1 / 500, -1 / 500),
+    Plan(100.0),
+    Plan(80.0, 0.0, 1 / 300, "sine"),
+    Plan(120.0, 1 / 300, 1 / 300),
+    Plan(90.0, 1 / 300, -1 / 500, "helmert"),
+    Plan(60.0, -1 / 500, -1 / 500),
 ]
 CANT = [
-    CantElement(0.0, 90.0, (0.0, 0.0), (0.0, 0.0)),
-    CantElement(90.0, 90.0, (0.0, 0.0), (0.0, 0.1), "bloss"),
-    CantElement(180.0, 130.0, (0.0, 0.1), (0.0, 0.1)),
-    CantElement(310.0, 80.0, (0.0, 0.1), (0.05, 0.0)),
-    CantElement(390.0, 60.0, (0.05, 0.0), (0.05, 0.0)),
+    Cant(0.0, 90.0, (0.0, 0.0), (0.0, 0.0)),
+    Cant(90.0, 90.0, (0.0, 0.0), (0.0, 0.1), "bloss"),
+    Cant(180.0, 130.0, (0.0, 0.1), (0.0, 0.1)),
+    Cant(310.0, 80.0, (0.0, 0.1), (0.05, 0.0)),
+    Cant(390.0, 60.0, (0.05, 0.0), (0.05, 0.0)),
 ]
 PROFILE = [
-    Vertical(-50.0, 130.0, 0.005, 0.005),
-    Vertical(80.0, 100.0, 0.005, -0.02, "circle"),
-    Vertical(180.0, 150.0, -0.02, -0.02),
-    Vertical(330.0, 90.0, -0.02, 0.01),
-    Vertical(420.0, 100.0, 0.01, 0.01),
+    Profile(-50.0, 130.0, 0.005, 0.005),
+    Profile(80.0, 100.0, 0.005, -0.02, "circle"),
+    Profile(180.0, 150.0, -0.02, -0.02),
+    Profile(330.0, 90.0, -0.02, 0.01),
+    Profile(420.0, 100.0, 0.01, 0.01),
 ]
 END = 450.0
 
@@ -105,14 +105,14 @@ def test_a_level_alignment_is_the_track_of_its_segments() -> None:
         Straight(30.0),
     ]
     plan = [
-        Horizontal(40.0), Horizontal(60.0, 0.0, -1 / 400, "bloss"), Horizontal(80.0, -1 / 400, -1 / 400),
-        Horizontal(50.0, -1 / 400, 0.0, "cosine"), Horizontal(30.0),
+        Plan(40.0), Plan(60.0, 0.0, -1 / 400, "bloss"), Plan(80.0, -1 / 400, -1 / 400),
+        Plan(50.0, -1 / 400, 0.0, "cosine"), Plan(30.0),
     ]  # fmt: skip
     half = (0.04, -0.04)  # the left rail is the outer one
     cant = [
-        CantElement(0.0, 40.0, (0.0, 0.0), (0.0, 0.0)), CantElement(40.0, 60.0, (0.0, 0.0), half, "bloss"),
-        CantElement(100.0, 80.0, half, half), CantElement(180.0, 50.0, half, (0.0, 0.0), "cosine"),
-        CantElement(230.0, 30.0, (0.0, 0.0), (0.0, 0.0)),
+        Cant(0.0, 40.0, (0.0, 0.0), (0.0, 0.0)), Cant(40.0, 60.0, (0.0, 0.0), half, "bloss"),
+        Cant(100.0, 80.0, half, half), Cant(180.0, 50.0, half, (0.0, 0.0), "cosine"),
+        Cant(230.0, 30.0, (0.0, 0.0), (0.0, 0.0)),
     ]  # fmt: skip
     one, other = Track.build(row), track_of(plan, cant)
     s = np.linspace(0.0, 260.0, 131)
@@ -122,10 +122,10 @@ def test_a_level_alignment_is_the_track_of_its_segments() -> None:
 
 
 def test_a_viennese_bend_takes_the_cant_of_the_other_list() -> None:
-    plan = [Horizontal(100.0, 0.0, 1 / 300, "viennese", 1.8), Horizontal(50.0, 1 / 300, 1 / 300)]
+    plan = [Plan(100.0, 0.0, 1 / 300, "viennese", 1.8), Plan(50.0, 1 / 300, 1 / 300)]
     cant = [
-        CantElement(0.0, 100.0, (0.0, 0.0), (-0.05, 0.05), "viennese"),
-        CantElement(100.0, 50.0, (-0.05, 0.05), (-0.05, 0.05)),
+        Cant(0.0, 100.0, (0.0, 0.0), (-0.05, 0.05), "viennese"),
+        Cant(100.0, 50.0, (-0.05, 0.05), (-0.05, 0.05)),
     ]
     one = Track.build([Transition(100.0, "viennese", centre_of_gravity_height=1.8), Arc(50.0, 300.0, 0.1)])
     s = np.linspace(0.0, 150.0, 101)

@@ -12,7 +12,7 @@ from support.runs import FAST, SCENARIOS
 
 from wrsim import Arc, InputError, Straight, Track, Transition, load, run
 from wrsim.simulation.integrate import CONTACT_TOLERANCE
-from wrsim.track.alignment import CantElement, Horizontal, alignment_laws
+from wrsim.track.alignment import Cant, Plan, alignment_laws
 from wrsim.track.cant import PIVOTS, Pivot
 from wrsim.track.forms import Form
 from wrsim.track.piecewise import Piecewise
@@ -143,7 +143,7 @@ def test_what_is_assumed_is_said_and_what_contradicts_is_refused() -> None:
     assert Track.build([Straight(10.0)]).assumptions == ""
     with pytest.raises(InputError, match=r"pivot = 'low'; allowed: .*'low rail'.*did you mean 'low rail'"):
         Track.build(ROW, pivot="low")
-    law, _ = alignment_laws([Horizontal(50.0)], [CantElement(0.0, 50.0, (0.0, 0.02), (0.0, 0.02))])
+    law, _ = alignment_laws([Plan(50.0)], [Cant(0.0, 50.0, (0.0, 0.02), (0.0, 0.02))])
     assert "by the heights of both rails" in Track.from_laws(law).assumptions
     for options, word in (({"pivot": "high rail"}, "pivot = 'high rail'"), ({"grades": [Grade(0.0, 0.01)]}, "grades")):
         with pytest.raises(InputError, match=f"{word} cannot be given with an alignment"):

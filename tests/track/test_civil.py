@@ -16,12 +16,13 @@ import wrsim
 from wrsim.errors import InputError
 from wrsim.scenario.build import build
 from wrsim.scenario.track_build import track_model
+from wrsim.track.alignment import Cant, Plan, Profile
 from wrsim.track.cant import Pivot
 from wrsim.track.civil import ENDINGS, ifc
 from wrsim.track.civil.files import read_alignment
 from wrsim.track.civil.ifc import ifc_text
 from wrsim.track.civil.landxml import landxml_text
-from wrsim.track.civil.line import RAILS, Cant, CivilLine, Plan, Profile, ramp_of
+from wrsim.track.civil.line import RAILS, CivilLine, ramp_of
 from wrsim.track.forms import FORMS
 from wrsim.track.track import Track
 
@@ -36,8 +37,8 @@ def written(folder: Path, kind: str, text: str | None = None, name: str = "line"
 
 
 def test_one_line_in_three_formats_is_one_track(tmp_path: Path) -> None:
-    about_the_middle = TEXTS["landxml"].replace("insideRail", "center")  # as railML
-    paths = [*(written(tmp_path, kind) for kind in TEXTS), written(tmp_path, "landxml", about_the_middle, "middle")]
+    level = re.sub("(?s)<Cant .*</Cant>", "", TEXTS["landxml"])  # as railML, which has no cant
+    paths = [*(written(tmp_path, kind) for kind in TEXTS), written(tmp_path, "landxml", level, "level")]
     tracks = [track_model(path) for path in paths]
     s = np.linspace(0.0, 300.0, 601)
     for one, another in ((0, 1), (2, 3)):
@@ -49,6 +50,25 @@ def test_one_line_in_three_formats_is_one_track(tmp_path: Path) -> None:
     assert first.cant(150.0) == pytest.approx(0.1)  # with the right rail higher
     assert first.alignment is not None and first.alignment.name == "Gleis Ä'1'"
     assert [f.kind for f in first.features()] == ["straight", "transition", "arc", "transition", "straight"]
+
+
+@pytest.mark.parametrize(("old", "new"), TABLES["dialects"])
+def test_what_programs_write_differently_is_one_track(tmp_path: Path, old: str, new: str) -> None:
+    assert old in TEXTS["landxml"]
+    first = track_model(written(tmp_path, "landxml"))
+    other = track_model(written(tmp_path, "landxml", TEXTS["landxml"].replace(old, new), "other"))
+    s = np.linspace(0.0, first.length, 501)
+    assert np.abs(other.centre_line.position(s) - first.centre_line.position(s)).max() < 1e-4  # angles of 1 mm points
+    np.testing.assert_allclose(other.cant(s), first.cant(s), rtol=0.0, atol=1e-9)
+    assert (other.nominal_gauge, other.cant_base) == pytest.approx((1.435, 1.5))
+    assert first.alignment is not None and other.alignment is not None
+    assert other.alignment.origin == pytest.approx(first.alignment.origin, abs=1e-9)
+
+
+def test_cant_is_held_beyond_its_stations(tmp_path: Path) -> None:
+    station = '<CantStation station="1260" appliedCant="0" curvature="cw"/>'
+    track = track_model(written(tmp_path, "landxml", TEXTS["landxml"].replace(station, "")))
+    assert track.cant(np.array([150.0, 299.0])) == pytest.approx([0.1, 0.1])
 
 
 def test_lengths_lie_in_plan_and_the_line_climbs(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ All lengths and distances of the lists are horizontal, along the plan of the cen
 the length of the line in space, s' = sqrt(1 + z'^2).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -12,66 +13,92 @@ import numpy as np
 
 from wrsim.contact.profiles.curves import gauss_integrals
 from wrsim.errors import InputError
+from wrsim.track import forms, segments
 from wrsim.track.cant import CANT_BASE
-from wrsim.track.forms import (
-    CANT_FORMS,
-    FORMS,
-    CantForm,
-    Form,
-    check_form,
-    checked_shift,
-    curvature_law,
-    distance_at,
-    ramp_law,
-)  # fmt: skip
+from wrsim.track.forms import CANT_FORMS, FORMS, CantForm, Form, check_form
 from wrsim.track.piecewise import NODES, Array, Piecewise, interpolant, merged
-from wrsim.track.segments import MAX_CANT, ROUNDING, STEEPEST, Arc, Laws, Segment, Straight, Transition, check_range
+from wrsim.track.segments import LONGEST, ROUNDING, Arc, Laws, Segment, Straight, Transition, check_range
 
-JOINT = 1e-3
-"""Largest gap between elements, and largest step of cant or height at a joint [m]: the resolution of civil data."""
+JOINT = 5e-3
+"""Largest distance of the end of an element from the next start, and largest step of height there [m].
+
+Civil data are rounded to 1 mm and directions to 1e-6 rad: both points 0.7 mm, the length 0.5 mm, a radius of 300 m by
+1 mm over 300 m another 0.5 mm, the direction over 1000 m 1 mm; in sum 3.4 mm."""
+STEP = 1e-3
+"""Largest step of a rail's cant at a joint, and shortest element [m]: civil data are rounded to it."""
+SHARPEST = 0.5
+"""Largest curvature [1/m]: a radius of 2 m, below any track."""
 
 
 @dataclass(frozen=True)
-class Horizontal:
+class Plan:
     """An element of the plan: length [m], curvature at its start and end [1/m], positive to the left, and how it leads
-    over. centre_of_gravity_height: of a Viennese bend, above the rail tops [m]."""
+    over. centre_of_gravity_height: of a Viennese bend, above the rail tops [m]. pose: east, north [m] and heading [rad]
+    of its start as a file tells them, nan where its points say the heading; line: of the file."""
 
     length: float
     start: float = 0.0
     end: float = 0.0
     form: Form = "clothoid"
     centre_of_gravity_height: float | None = None
+    pose: tuple[float, float, float] | None = None
+    line: int = 0
 
 
 @dataclass(frozen=True)
-class CantElement:
+class Cant:
     """Height of the rails above the vertical profile, at the start and end of an element (left, right) [m]; distance of
-    its start, length [m] and form."""
+    its start, length [m] and form; line: of the file."""
 
     start: float
     length: float
     rails_start: tuple[float, float]
     rails_end: tuple[float, float]
     form: CantForm = "linear"
+    line: int = 0
+
+    @property
+    def end(self) -> float:
+        """Distance in plan of its end [m]."""
+        return self.start + self.length
 
 
 @dataclass(frozen=True)
-class Vertical:
+class Profile:
     """An element of the vertical profile: distance of its start and length [m]; slope (rise over length) at its start
     and end; "circle": an arc of the radius length / (sin - sin) of the angles of slope, "parabola": the slope runs
-    linearly."""
+    linearly. height: of its start [m]; line: of the file."""
 
     start: float
     length: float
     slope_start: float = 0.0
     slope_end: float = 0.0
     form: Literal["circle", "parabola"] = "parabola"
+    height: float = 0.0
+    line: int = 0
+
+    @property
+    def end(self) -> float:
+        """Distance in plan of its end [m]."""
+        return self.start + self.length
+
+    @property
+    def end_height(self) -> float:
+        """Height of its end [m]."""
+        slopes = self.slope_start, self.slope_end
+        mean = math.tan(0.5 * sum(map(math.atan, slopes))) if self.form == "circle" else 0.5 * sum(slopes)
+        return self.height + self.length * mean
+
+    @property
+    def bend(self) -> float:
+        """Change of the sine of the slope: the length in plan over the radius of a circle."""
+        return self.slope_end / math.hypot(1.0, self.slope_end) - self.slope_start / math.hypot(1.0, self.slope_start)
 
 
 def alignment_laws(
-    plan: Sequence[Horizontal],
-    cant: Sequence[CantElement] = (),
-    profile: Sequence[Vertical] = (),
+    plan: Sequence[Plan],
+    cant: Sequence[Cant] = (),
+    profile: Sequence[Profile] = (),
     cant_base: float = CANT_BASE,
     rounding: float = ROUNDING,
 ) -> tuple[Laws, tuple[Segment, ...]]:
@@ -79,11 +106,11 @@ def alignment_laws(
 
     Parameters
     ----------
-    plan : sequence of Horizontal
+    plan : sequence of Plan
         One behind the other from distance 0 on.
-    cant : sequence of CantElement
+    cant : sequence of Cant
         In order, without gaps, from 0 or before to the end of the plan or beyond; empty: level.
-    profile : sequence of Vertical
+    profile : sequence of Profile
         The same, of the grade line; empty: level.
     cant_base : float
         Distance over which cant is measured [m], for Viennese bends.
@@ -106,20 +133,22 @@ def alignment_laws(
         raise InputError("plan of the alignment is empty; allowed: one element at least")
     for i, each in enumerate(plan):
         check_form(f"plan[{i}]", "form", each.form, FORMS)
-        if not (np.isfinite((each.start, each.end)).all() and 1e-6 <= each.length <= 1e6):
+        if not (STEP <= each.length <= LONGEST and all(abs(k) <= SHARPEST for k in (each.start, each.end))):
             fault = f"length {each.length:g} m, curvature {each.start:g} to {each.end:g} per m"
-            raise InputError(f"plan[{i}]: {fault}; allowed: 1e-6 to 1e6 m, finite curvature")
+            raise InputError(
+                f"plan[{i}]: {fault}; allowed: {STEP:g} to {LONGEST:g} m, up to {SHARPEST:g} per m in size"
+            )
     edges = np.concatenate(([0.0], np.cumsum([each.length for each in plan])))
-    cross, mean = _cant_laws(cant or [CantElement(0.0, edges[-1], (0.0, 0.0), (0.0, 0.0))], edges[-1], rounding)
-    height = _height_law(profile or [Vertical(0.0, edges[-1])], edges[-1], rounding)
+    cross, mean = _cant_laws(cant or [Cant(0.0, edges[-1], (0.0, 0.0), (0.0, 0.0))], edges[-1], rounding)
+    height = _height_law(profile or [Profile(0.0, edges[-1])], edges[-1], rounding)
 
     leans = np.diff(cross(edges)) / cant_base
     shifts = [
-        checked_shift(f"plan[{i}]", e.form, e.start, e.end, e.length, lean, e.centre_of_gravity_height)
+        forms.checked_shift(f"plan[{i}]", e.form, e.start, e.end, e.length, lean, e.centre_of_gravity_height)
         for i, (e, lean) in enumerate(zip(plan, leans.tolist(), strict=True))
     ]
     ends = np.array([(each.start, each.end) for each in plan]).T
-    curvature = curvature_law(edges, ends[0], ends[1], [each.form for each in plan], shifts)
+    curvature = forms.curvature_law(edges, ends[0], ends[1], [each.form for each in plan], shifts)
 
     def slope(x: Array) -> Array:
         return height(x, 1) + mean(x, 1)
@@ -131,7 +160,7 @@ def alignment_laws(
     places = merged(*(np.clip(law.breaks, 0.0, edges[-1]) for law in laws))
     lengths = gauss_integrals(stretch, places[:-1], places[1:], 16)
     begin, share = np.repeat(places[:-1], NODES.size), (lengths[:, None] * NODES).ravel()
-    x = distance_at(stretch, begin, share)
+    x = forms.distance_at(stretch, begin, share)
     distances = np.concatenate(([0.0], np.cumsum(lengths)))
 
     def over_length(values: Array) -> Piecewise:
@@ -148,7 +177,7 @@ def alignment_laws(
     return law, tuple(_segment(each, span) for each, span in zip(plan, spans, strict=True))
 
 
-def _segment(element: Horizontal, length: float) -> Segment:
+def _segment(element: Plan, length: float) -> Segment:
     """The segment that names an element of the plan."""
     if element.start == element.end == 0.0:
         return Straight(length)
@@ -158,13 +187,12 @@ def _segment(element: Horizontal, length: float) -> Segment:
     return Transition(length, element.form, None, *radii)
 
 
-def _edges(name: str, elements: Sequence[CantElement | Vertical], end: float) -> Array:
+def _edges(name: str, elements: Sequence[Cant | Profile], end: float) -> Array:
     """Distances of the starts of elements and of the end of the last [m]."""
     for i, each in enumerate(elements):
-        if not (np.isfinite(each.start) and 1e-6 <= each.length <= 1e6):
-            raise InputError(
-                f"{name}[{i}]: start {each.start:g}, length {each.length:g} m; allowed: 1e-6 to 1e6 m long"
-            )
+        if not (np.isfinite(each.start) and STEP <= each.length <= LONGEST):
+            fault = f"start {each.start:g} m, length {each.length:g} m"
+            raise InputError(f"{name}[{i}]: {fault}; allowed: {STEP:g} to {LONGEST:g} m long")
     starts = np.array([each.start for each in elements])
     ends = starts + [each.length for each in elements]
     for i in np.flatnonzero(np.abs(starts[1:] - ends[:-1]) > JOINT).tolist():
@@ -176,33 +204,33 @@ def _edges(name: str, elements: Sequence[CantElement | Vertical], end: float) ->
     return np.append(starts, ends[-1])
 
 
-def _cant_laws(elements: Sequence[CantElement], end: float, rounding: float) -> tuple[Piecewise, Piecewise]:
+def _cant_laws(elements: Sequence[Cant], end: float, rounding: float) -> tuple[Piecewise, Piecewise]:
     """Height of the right rail above the left one, and mean height of both, over the plan [m]."""
     edges = _edges("cant", elements, end)
     for i, each in enumerate(elements):
         check_form(f"cant[{i}]", "form", each.form, CANT_FORMS)
         for rail in (*each.rails_start, *each.rails_end):
-            check_range(f"cant[{i}]", "height of a rail [mm]", rail, -MAX_CANT, MAX_CANT, 1e3)
+            check_range(f"cant[{i}]", "height of a rail [mm]", rail, -segments.MAX_CANT, segments.MAX_CANT, 1e3)
     start, after = (np.array([getattr(e, f"rails_{key}") for e in elements], dtype=float) for key in ("start", "end"))
-    for i in np.flatnonzero(np.abs(start[1:] - after[:-1]).max(axis=1) > JOINT).tolist():
+    for i in np.flatnonzero(np.abs(start[1:] - after[:-1]).max(axis=1) > STEP).tolist():
         fault = f"left and right rail begin at {1e3 * start[i + 1]} mm, the element before ends at {1e3 * after[i]} mm"
-        raise InputError(f"cant[{i + 1}]: {fault}; allowed: equal heights within {1e3 * JOINT:g} mm")
+        raise InputError(f"cant[{i + 1}]: {fault}; allowed: equal heights within {1e3 * STEP:g} mm")
     start[1:] = after[:-1]
-    forms = [each.form for each in elements]
-    cross, mean = (ramp_law(edges, start @ w, after @ w, forms).rounded(rounding) for w in _WEIGHTS)
+    kinds = [each.form for each in elements]
+    cross, mean = (forms.ramp_law(edges, start @ w, after @ w, kinds).rounded(rounding) for w in _WEIGHTS)
     return cross, mean
 
 
 _WEIGHTS = np.array([[-1.0, 1.0], [0.5, 0.5]])  # of the left and the right rail in cant and mean height
 
 
-def _height_law(elements: Sequence[Vertical], end: float, rounding: float) -> Piecewise:
+def _height_law(elements: Sequence[Profile], end: float, rounding: float) -> Piecewise:
     """Height of the grade line above its first point, over the plan [m]; kinks are rounded."""
     edges, rows, height = _edges("profile", elements, end), np.zeros((len(elements), NODES.size)), 0.0
     for i, each in enumerate(elements):
         check_form(f"profile[{i}]", "form", each.form, ("circle", "parabola"))
         for slope in (each.slope_start, each.slope_end):
-            check_range(f"profile[{i}]", "slope [permille]", slope, -STEEPEST, STEEPEST, 1e3)
+            check_range(f"profile[{i}]", "slope [permille]", slope, -segments.STEEPEST, segments.STEEPEST, 1e3)
         length = edges[i + 1] - edges[i]
         rows[i, :3] = height, length * each.slope_start, 0.5 * length * (each.slope_end - each.slope_start)
         if each.form == "circle":

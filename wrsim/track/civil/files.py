@@ -10,10 +10,11 @@ import numpy as np
 
 from wrsim.contact.profiles.curves import gauss_integrals
 from wrsim.errors import InputError, suggest
+from wrsim.track.alignment import Cant, Plan, Profile
 from wrsim.track.cant import Pivot
 from wrsim.track.civil.ifc import ifc_text, read_ifc
 from wrsim.track.civil.landxml import landxml_text, read_landxml
-from wrsim.track.civil.line import MOST, RAILS, Cant, CivilLine, Plan, Profile, ramp_of
+from wrsim.track.civil.line import MOST, RAILS, CivilLine, ramp_of
 from wrsim.track.civil.railml import read_railml
 from wrsim.track.civil.xml_tree import read_xml
 from wrsim.track.forms import CantForm, Form

@@ -19,7 +19,8 @@ from typing import Any, Literal
 
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import read_text, shortened
-from wrsim.track.civil.line import Cant, CivilLine, Plan, Profile
+from wrsim.track.alignment import Cant, Plan, Profile
+from wrsim.track.civil.line import CivilLine
 from wrsim.track.forms import CantForm, Form
 
 MOST_ENTITIES, DEEPEST = 4_000_000, 30

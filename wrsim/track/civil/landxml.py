@@ -1,21 +1,25 @@
 """Alignments of LandXML 1.2 (http://www.landxml.org/schema/LandXML-1.2).
 
-Points are "north east"; directions turn clockwise from the north; rot and curvature are "cw" to the right, "ccw" to the
-left; cant is in mm or inches, positive to the inside of a curve; stations are in plan and begin with staStart.
+Points are "north east"; rot and curvature are "cw" to the right, "ccw" to the left; cant is in mm or inches, positive
+to the inside of a curve; stations are in plan and begin with staStart. The points say the directions. dir and dirStart
+are not read, for programs differ: the schema and 3D-Win count them counter-clockwise from the north, Civil 3D
+counter-clockwise from the east, MDT clockwise from the north.
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any, Literal
 from xml.sax.saxutils import quoteattr
 
-from wrsim.track.cant import Pivot
-from wrsim.track.civil.line import JOINT, RAILS, Cant, CivilLine, Plan, Profile, ramp_of
+from wrsim.track.alignment import JOINT, Cant, Plan, Profile
+from wrsim.track.cant import CANT_BASE, Pivot
+from wrsim.track.civil.line import RAILS, CivilLine, ramp_of
 from wrsim.track.civil.xml_tree import Element
 from wrsim.track.forms import CantForm, Form
 
@@ -24,7 +28,6 @@ METRES = {
     "meter": 1.0, "millimeter": 1e-3, "centimeter": 1e-2, "kilometer": 1e3, "foot": FOOT, "USSurveyFoot": SURVEY_FOOT,
     "inch": FOOT / 12.0, "mile": 5280.0 * FOOT,
 }  # fmt: skip
-RADIANS = {"radians": 1.0, "decimal degrees": math.pi / 180.0, "grads": math.pi / 200.0}
 SPIRALS: dict[str, Form] = {
     "clothoid": "clothoid", "bloss": "bloss", "cosine": "cosine", "sinusoid": "sine", "biquadratic": "helmert",
     "cubicParabola": "cubic parabola", "cubic": "cubic parabola", "weinerBogen": "viennese", "wienerBogen": "viennese",
@@ -34,9 +37,11 @@ RAMPS: dict[str, CantForm] = {name: ramp_of(form) for name, form in SPIRALS.item
 HANDS = {"ccw": 1.0, "cw": -1.0}
 PIVOTS: dict[str, Pivot] = {
     "center": "centre line", "insideRail": "low rail", "outsideRail": "high rail", "leftRail": "left rail",
-    "rightRail": "right rail",
+    "rightRail": "right rail", "left": "left rail", "right": "right rail",
 }  # fmt: skip
-"""rotationPoint, and what the cant turns about."""
+"""rotationPoint, and what the cant turns about; Inframodel has left and right."""
+LEAST_MILLIMETRES = 10.0
+"""A larger gauge is in mm: COYPU writes 1435. The schema has metres or feet."""
 HEIGHT, BASE = "gravityCenterLineHeight", "railHeadDistance"
 """Properties of a Feature for what LandXML lacks: of a spiral and of the cant, in units of length."""
 
@@ -55,26 +60,32 @@ def _alignment(root: Element, element: Element, name: str) -> CivilLine:
     units = next((u for holder in root.all("Units") for u in holder.all("Metric", "Imperial")), None)
     if units is None:
         raise root.fault("has no Units with Metric or Imperial; allowed: one of them, with linearUnit")
-    metre, radian = units.choice("linearUnit", METRES), units.choice("directionUnit", RADIANS, "radians")
+    metre, unit = units.choice("linearUnit", METRES), units.attributes["linearUnit"]
     station = element.number("staStart", 0.0)
-    plan, end = _plan(element, metre, radian)
-    unit = units.attributes["linearUnit"]
-    notes = [f"LandXML: lengths in plan, in units of {unit}; points north east; directions clockwise from north"]
+    plan, end = _plan(element, metre)
+    notes = [f"LandXML: lengths in plan, in units of {unit}; points north east, which say the directions"]
     if any(spiral.attributes.get("spiType") == "cubic" for spiral in element.below("Spiral")):
         notes.append('spiType = "cubic" is taken as y = x^3/(6 R L)')
     cant, base, gauge = list[Cant](), None, None
     for row in element.all("Cant"):
-        millimetres = units.tag == "Metric"
-        cant = list(_cant(row, station, metre, 1e-3 if millimetres else FOOT / 12.0))
-        gauge, base = row.number("gauge") * metre, _property(row, BASE, metre)
+        fine, unit = (1e-3, "mm") if units.tag == "Metric" else (FOOT / 12.0, "inches")
+        cant = list(_cant(row, station, metre, fine, plan))
+        base, gauge = _property(row, BASE, metre), row.number("gauge")
+        gauge *= metre if gauge < LEAST_MILLIMETRES else 1e-3
+        if base is None and "superelevationBase" in row.attributes:
+            base = row.number("superelevationBase") * metre
         pivot = row.attributes.get("rotationPoint", "center (assumed)")
-        unit = "mm" if millimetres else "inches"
         notes.append(f"cant in {unit}, positive to the inside, about {pivot}; transitionType is of the ramp behind")
-    profile = tuple(_profile(element, station, metre))
-    pose = plan[0].pose or (0.0, 0.0, 0.0)
-    return CivilLine(
-        name, str(root.path), tuple(plan), profile, tuple(cant), pose, base, gauge, station * metre, end, tuple(notes)
-    )
+        if any("curvature" not in each.attributes for each in row.all("CantStation")):
+            notes.append("without curvature the inside is that of the plan")
+        if abs(gauge - CANT_BASE) < 1e-6:
+            notes.append(f'gauge = "{row.attributes["gauge"]}" is taken as the distance between the rail tops')
+            base, gauge = base or gauge, None
+    rows = tuple(plan), tuple(_profile(element, station, metre)), tuple(cant)
+    assert plan[0].pose is not None
+    line = CivilLine(name, str(root.path), *rows, plan[0].pose, base, gauge, station * metre, end, tuple(notes))
+    first = replace(line, plan=rows[0][:1], origin=(0.0, 0.0, 0.0), end=(plan[1].pose or end)[:2] if plan[1:] else end)
+    return replace(line, origin=(*line.origin[:2], float(first.rotations(base or CANT_BASE)[0])))
 
 
 def _property(element: Element, label: str, metre: float) -> float | None:
@@ -86,49 +97,39 @@ def _property(element: Element, label: str, metre: float) -> float | None:
     return None
 
 
-def _plan(alignment: Element, metre: float, radian: float) -> tuple[list[Plan], tuple[float, float]]:
+def _plan(alignment: Element, metre: float) -> tuple[list[Plan], tuple[float, float]]:
     """Elements in plan, and their end."""
     plan, end = list[Plan](), 0j
     for row in (e for geometry in alignment.all("CoordGeom") for e in geometry.children if e.tag != "Feature"):
-        inner = {"Line": "", "Curve": "Center", "Spiral": "PI"}
-        if row.tag not in inner:
-            raise row.fault(f"is no element of a track; allowed: {', '.join(inner)}")
-        places = {}
-        for key in ("Start", "End", inner[row.tag]) if inner[row.tag] else ("Start", "End"):
-            if (point := row.first(key)) is None:
-                raise row.fault(f"{key} is missing; allowed: a point as 'north east'")
-            north, east = point.numbers(point.text, 2, point.text.strip() or str(point.attributes))[:2]
-            places[key] = complex(east, north) * metre
-        start, end = places["Start"], places["End"]
+        if row.tag not in ("Line", "Curve", "Spiral"):
+            raise row.fault("is no element of a track; allowed: Line, Curve, Spiral")
+        start, end = (_place(row, key, metre) for key in ("Start", "End"))
         side = 0.0 if row.tag == "Line" else row.choice("rot", HANDS)
-        towards, length = end - start, abs(end - start)
         form: Form = "clothoid"
-        height = None
-        radii = (1.0, 1.0)
+        length, height, radii = abs(end - start), None, (1.0, 1.0)
         if row.tag == "Curve":
-            middle = places["Center"]
-            radii = (row.number("radius", abs(start - middle) / metre) * metre,) * 2
-            towards = 1j * side * (start - middle)
-            length = abs(start - middle) * (side * _angle((end - middle) * (start - middle).conjugate()) % math.tau)
+            arm = start - (middle := _place(row, "Center", metre))
+            radii = (row.number("radius", abs(arm) / metre) * metre,) * 2
+            length = abs(arm) * (side * cmath.phase((end - middle) * arm.conjugate()) % math.tau)
         elif row.tag == "Spiral":
-            form, towards = row.choice("spiType", SPIRALS), places["PI"] - start
+            form, height = row.choice("spiType", SPIRALS), _property(row, HEIGHT, metre)
             radii = (_radius(row, "radiusStart") * metre, _radius(row, "radiusEnd") * metre)
-            height = _property(row, HEIGHT, metre)
         if 0.0 in radii or (row.tag == "Curve" and radii[0] < 0.0):
             raise row.fault(f"a radius of {min(radii):g} m; allowed: above 0, INF for a straight; rot has the side")
-        length = row.number("length", length / metre) * metre
-        bearing = (
-            row.number("dir" if row.tag == "Line" else "dirStart", (0.5 * math.pi - _angle(towards)) / radian) * radian
-        )
-        pose = (start.real, start.imag, 0.5 * math.pi - bearing)
-        plan.append(Plan(length, side / radii[0], side / radii[1], form, height, pose, row.line))
+        if length := row.number("length", length / metre) * metre:
+            pose = (start.real, start.imag, math.nan)
+            plan.append(Plan(length, side / radii[0], side / radii[1], form, height, pose, row.line))
     if not plan:
         raise alignment.fault("has no CoordGeom with Line, Curve or Spiral")
     return plan, (end.real, end.imag)
 
 
-def _angle(direction: complex) -> float:
-    return math.atan2(direction.imag, direction.real)
+def _place(row: Element, key: str, metre: float) -> complex:
+    """A point, east + i north [m]."""
+    if (point := row.first(key)) is None:
+        raise row.fault(f"{key} is missing; allowed: a point as 'north east'")
+    north, east = point.numbers(point.text, 2, point.text.strip() or str(point.attributes))[:2]
+    return complex(east, north) * metre
 
 
 def _radius(spiral: Element, key: str) -> float:
@@ -190,21 +191,33 @@ def _tangents(point: Element, before: float, behind: float, metre: float) -> tup
     return tangent / math.hypot(1.0, before), tangent / math.hypot(1.0, behind)
 
 
-def _cant(element: Element, station: float, metre: float, fine: float) -> Iterator[Cant]:
+def _cant(element: Element, station: float, metre: float, fine: float, plan: Sequence[Plan]) -> Iterator[Cant]:
     """Ramps between the stations."""
     sides = RAILS[element.choice("rotationPoint", PIVOTS, "center")]
     stations = element.all("CantStation")
     rows = []
     for row in stations:
+        place = (row.number("station") - station) * metre
+        hand = _hand(plan, place) if "curvature" not in row.attributes else row.choice("curvature", HANDS)
         adverse = row.choice("adverse", {"false": 1.0, "0": 1.0, "true": -1.0, "1": -1.0}, "false")
-        cant = row.choice("curvature", HANDS) * adverse * row.number("appliedCant") * fine
         form = RAMPS["clothoid"] if "transitionType" not in row.attributes else row.choice("transitionType", RAMPS)
-        rows.append(((row.number("station") - station) * metre, sides(cant), form))
-    for row, ((start, a, form), (end, b, _)) in zip(stations, pairwise(rows), strict=False):
+        rows.append((place, sides(hand * adverse * row.number("appliedCant") * fine), form))
+    if rows:  # beyond the stations the cant is held
+        (first, a, _), (last, b, _) = rows[0], rows[-1]
+        length = sum(e.length for e in plan)
+        rows = [(min(first, 0.0), a, RAMPS["clothoid"]), *rows, (max(last, length), b, RAMPS["clothoid"])]
+    for row, ((start, a, form), (end, b, _)) in zip(stations[:1] + stations, pairwise(rows), strict=False):
         if end < start:
             raise row.fault("the next station lies before it; allowed: rising ones")
         if end > start:
             yield Cant(start, end - start, a, b, form, row.line)
+
+
+def _hand(plan: Sequence[Plan], place: float) -> float:
+    """+1 where the element of largest curvature at a distance turns to the left, -1 to the right."""
+    ends = accumulate(element.length for element in plan)
+    near = [e.start + e.end for e, end in zip(plan, ends, strict=True) if -JOINT <= end - place <= e.length + JOINT]
+    return math.copysign(1.0, max(near, key=abs, default=0.0))
 
 
 def landxml_text(line: CivilLine, base: float, gauge: float, date: str) -> str:
@@ -221,14 +234,13 @@ def landxml_text(line: CivilLine, base: float, gauge: float, date: str) -> str:
         "<CoordGeom>",
     ]
     shape = line.level(base)
-    points, headings = (shape.position(line.edges) @ [1.0, 1.0j, 0.0]).tolist(), shape.heading(line.edges).tolist()
-    for element, start, end, heading, leaving in zip(
-        line.plan, points, points[1:], headings, headings[1:], strict=False
-    ):
+    joints = zip(
+        (shape.position(line.edges) @ [1.0, 1.0j, 0.0]).tolist(), shape.heading(line.edges).tolist(), strict=True
+    )
+    for element, ((start, heading), (end, leaving)) in zip(line.plan, pairwise(joints), strict=True):
         ahead = cmath.rect(1.0, heading)
         bends = max((element.start, element.end), key=abs)
-        towards = f'length="{element.length!r}" dir{"Start" if bends else ""}="{0.5 * math.pi - heading!r}"'
-        kind, inner, extra = "Line", "", ""
+        towards, kind, inner, extra = f'length="{element.length!r}"', "Line", "", ""
         if bends:
             towards += f' rot="{"ccw" if bends > 0.0 else "cw"}"'
             kind, inner = "Curve", _point("Center", start + 1j * ahead / bends)

@@ -1,8 +1,9 @@
-"""Geometry of railML 3 (infrastructure, https://wiki3.railml.org): horizontalCurve, gradientCurve, superelevationCurve.
+"""Geometry of railML 3: horizontalCurve and gradientCurve of the schemas 3.1 and 3.2 (infrastructure3.xsd) and of
+https://wiki3.railml.org. These have no cant.
 
 Lengths and radii are in m, angles in degrees clockwise from the north; radii are positive to the right; gradients are
-per thousand; cant is in mm. A curve has one radius: a transition leads from the curvature of the curve before it to
-that of the one behind. The attributes of superelevationCurve are from memory.
+per thousand. A curve has one radius: a transition leads from the curvature of the curve before it to that of the one
+behind.
 """
 
 from __future__ import annotations
@@ -12,9 +13,10 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any, Literal
 
-from wrsim.track.civil.line import JOINT, Cant, CivilLine, Plan, Profile
+from wrsim.track.alignment import JOINT, Plan, Profile
+from wrsim.track.civil.line import CivilLine
 from wrsim.track.civil.xml_tree import Element
-from wrsim.track.forms import CantForm, Form
+from wrsim.track.forms import Form
 
 CURVES: dict[str, Form] = {
     "straight": "clothoid", "arc": "clothoid", "clothoide": "clothoid", "cosinusoide": "cosine", "sinusoide": "sine",
@@ -23,20 +25,12 @@ CURVES: dict[str, Form] = {
 PROFILES: dict[str, Literal["parabola", "circle"]] = {"straight": "parabola", "arc": "circle"}
 DELTA = 1e-3
 """Largest difference of deltaAzimuth from length times curvature [rad]: it is rounded to 0.1 deg at the coarsest."""
-RAMPS: dict[str, CantForm] = {
-    "straight": "linear",
-    "ramp": "linear",
-    "linear": "linear",
-    "cosinusoide": "cosine",
-    "sinusoide": "sine",
-    "curveBloss": "bloss",
-}
 
 
 def read_railml(root: Element) -> dict[str, Any]:
     """The lines of a file by the net elements that their curves lie on, each as a function that reads it."""
     tracks: dict[str, dict[str, list[Element]]] = {}
-    for kind in ("horizontalCurve", "gradientCurve", "superelevationCurve"):
+    for kind in ("horizontalCurve", "gradientCurve"):
         for element in root.below(kind):
             net = next((e.attributes.get("netElementRef", "") for e in element.below("associatedNetElement")), "")
             tracks.setdefault(net or "line", {}).setdefault(kind, []).append(element)
@@ -46,13 +40,13 @@ def read_railml(root: Element) -> dict[str, Any]:
 def _alignment(root: Element, name: str, rows: dict[str, list[Element]]) -> CivilLine:
     plan = tuple(_plan(rows["horizontalCurve"]))
     notes = (
-        "railML: lengths in plan, in m; curves in the order of the file; radii positive to the right; cant in mm, "
-        "positive to the inside, about the centre line (assumed)",
+        "railML: lengths in plan, in m; curves in the order of the file; radii positive to the right; level, for "
+        "railML 3 has no cant",
     )
     azimuth = rows["horizontalCurve"][0].number("azimuth", 90.0)  # without one to the east, as tracks of ours
     origin = (0.0, 0.0, math.radians(90.0 - azimuth))
-    profile, cant = _profile(rows.get("gradientCurve", [])), _cant(rows.get("superelevationCurve", []), plan)
-    return CivilLine(name, str(root.path), plan, tuple(profile), tuple(cant), origin, notes=notes)
+    profile = tuple(_profile(rows.get("gradientCurve", [])))
+    return CivilLine(name, str(root.path), plan, profile, origin=origin, notes=notes)
 
 
 def _plan(rows: Sequence[Element]) -> Iterator[Plan]:
@@ -98,26 +92,3 @@ def _profile(rows: Sequence[Element]) -> Iterator[Profile]:
         element = Profile(place, length, slope, end, kind, height, row.line)
         yield element
         place, height = element.end, element.end_height
-
-
-def _cant(rows: Sequence[Element], plan: Sequence[Plan]) -> Iterator[Cant]:
-    """Cant to the inside of the curve that each element lies in."""
-    place = 0.0
-    for row in rows:
-        form, length = row.choice("curveType", RAMPS, "linear"), row.number("length")
-        first = 1e-3 * row.number("superelevation")
-        ends = first, first + 1e-3 * row.number("deltaSuperelevation", 0.0)
-        side = _side(plan, place, place + length)
-        rails = [(-0.5 * side * cant, 0.5 * side * cant) for cant in ends]
-        yield Cant(place, length, rails[0], rails[1], form, row.line)
-        place += length
-
-
-def _side(plan: Sequence[Plan], start: float, end: float) -> float:
-    """+1 where the plan turns to the left between two distances, -1 to the right."""
-    place, turned = 0.0, 0.0
-    for element in plan:
-        shared = min(end, place + element.length) - max(start, place)
-        turned += max(shared, 0.0) * 0.5 * (element.start + element.end)
-        place += element.length
-    return math.copysign(1.0, turned)
