@@ -16,7 +16,7 @@ import wrsim
 from wrsim.errors import InputError
 from wrsim.scenario.build import build
 from wrsim.scenario.track_build import track_model
-from wrsim.track.alignment import Cant, Plan, Profile
+from wrsim.track.alignment import Cant, Plan, Profile, alignment_laws
 from wrsim.track.cant import Pivot
 from wrsim.track.civil import ENDINGS, ifc
 from wrsim.track.civil.files import read_alignment
@@ -129,6 +129,22 @@ def test_a_track_on_one_grade_is_exported_exactly(tmp_path: Path) -> None:
         np.testing.assert_allclose(again.cant(s), track.cant(s), rtol=0.0, atol=1e-9)
         refused = refusal("track", tmp_path / f"own.{ending}", "-o", tmp_path / f"own.{ending}")
         assert "would be written over" in refused
+
+
+def test_the_rounding_of_kinks_of_cant_is_said_and_is_no_more(tmp_path: Path) -> None:
+    track, sharp = (track_model(written(tmp_path, "ifc")), read_alignment(written(tmp_path, "ifc")))
+    raw, _ = alignment_laws(sharp.plan, sharp.cant_rows(), sharp.profile_rows(), 1.5, rounding=1e-6)
+    s = np.linspace(0.0, 300.0, 30_001)
+    away = np.abs(track.cant(s) - raw.cant(s))
+    assert away.max() == pytest.approx(3.0 / 16.0 * 0.1 / 60.0, rel=1e-3)  # of the jump of the slope, over 1 m
+    assert away[np.abs(s[:, None] - raw.cant.breaks).min(axis=1) > 1.001].max() < 1e-9
+    assert "kinks rounded over 1 m to either side, by up to 0.31 mm" in track.assumptions
+
+
+def test_a_file_that_is_neither_scenario_nor_track_is_refused_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "other.toml").write_text('a = 1\nb = "x"\n[contact]\nfriction = 0.3\n')
+    said = refusal("track", tmp_path / "other.toml")
+    assert "has neither [track] nor analysis" in said and len(said.strip().splitlines()) == 1
 
 
 @pytest.mark.parametrize(("kind", "old", "new", "metre"), TABLES["units"])

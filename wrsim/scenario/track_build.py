@@ -28,7 +28,7 @@ from wrsim.scenario.merging import BASE, FILE
 from wrsim.scenario.sections.irregularities import TableSection
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.structure import MovingMassStructure
-from wrsim.scenario.sections.track import CheckRailSection, RollersSection, TrackSection
+from wrsim.scenario.sections.track import CheckRailSection, RollersSection
 from wrsim.track.cant import RAIL_HEAD_WIDTH, STANDARD_GAUGE
 from wrsim.track.civil import ENDINGS
 from wrsim.track.crossing import read_crossing
@@ -57,16 +57,15 @@ BEYOND = 100.0
 def track_model(path: Path, models: Sequence[str | Path] = (), alignment: str | None = None) -> Track:
     """The track of a scenario, of a track file or of a civil file, there of that alignment. Raises InputError."""
     if path.suffix.lower() in ENDINGS:
-        from wrsim.track.civil.files import read_alignment  # readers, for civil files alone
-
-        line = read_alignment(path, alignment)
-        gauge = line.gauge or (STANDARD_GAUGE if line.cant_base is None else line.cant_base - RAIL_HEAD_WIDTH)
-        law, row = line.laws(base := line.cant_base or gauge + RAIL_HEAD_WIDTH)
+        line, gauge, base, law, row = _laid_line(path, alignment, None, None)
         return Track.from_laws(law, gauge, segments=row, cant_base=base, alignment=line)
     data, _ = opened(path, what := "scenario or track file")
-    if (kind := kind_of(path)) and not kind.startswith(("a scenario", "a track")):
-        raise InputError(f"{path}: is {kind}; a {what} is needed here")
-    if "track" in data and not {"analysis", "vehicle", BASE} & {*data}:
+    kind, of_scenario = kind_of(path), {"analysis", "vehicle", BASE} & {*data}
+    other = kind and not kind.startswith(("a scenario", "a track"))
+    if other or not (of_scenario or "track" in data):
+        found = f"is {kind}" if other else f"has neither [track] nor analysis, vehicle or {BASE}"
+        raise InputError(f"{path}: {found}; a {what} is needed here")
+    if "track" in data and not of_scenario:
         runs = {"analysis": "curving", "vehicle": {"model": "any", "speed_kmh": 60}}
         scenario = load_text(write_toml(runs | {"track": {FILE: str(path.absolute())}}), path.parent, models)
     else:
@@ -141,8 +140,9 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
             if any(name in table.columns for name in IRREGULARITIES):
                 uneven += table.disturbances(0.0, TABLE_FADE)
         elif section.alignment is not None:
-            read = partial(_laid_line, section=section)
-            line, base, law, row = scenario.read(("track", "alignment"), section.alignment, read)
+            told = section.cant_base if section.cant_base_mm is not None else None
+            read = partial(_laid_line, name=section.alignment_name, gauge=gauge, base=told)
+            line, _, base, law, row = scenario.read(("track", "alignment"), section.alignment, read)
         else:
             row = row or (Straight(LEVEL_TRACK),)
             law = laws(row, gauge, ROUNDING, section.cant_base)
@@ -179,16 +179,20 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
         )
 
 
-def _laid_line(file: Path, section: TrackSection) -> tuple[CivilLine, float, Laws, tuple[Segment, ...]]:
-    """An alignment, the base of its cant [m], its laws and segments."""
+def _laid_line(
+    file: Path, name: str | None, gauge: float | None, base: float | None
+) -> tuple[CivilLine, float, float, Laws, tuple[Segment, ...]]:
+    """An alignment, its gauge and the base of its cant [m], unless these are given, its laws and segments."""
     from wrsim.track.civil.files import read_alignment  # readers, for civil files alone
 
-    line = read_alignment(file, section.alignment_name)
-    base = section.cant_base if section.cant_base_mm is not None else line.cant_base or section.cant_base
-    if line.gauge is not None and abs(line.gauge - section.gauge_mm / 1e3) > SAME_GAUGE:
-        told = f"its gauge is {1e3 * line.gauge:g} mm, track.gauge_mm is {plain_number(section.gauge_mm)}"
+    line = read_alignment(file, name)
+    if gauge is None:
+        gauge = line.gauge or (STANDARD_GAUGE if line.cant_base is None else line.cant_base - RAIL_HEAD_WIDTH)
+    elif line.gauge is not None and abs(line.gauge - gauge) > SAME_GAUGE:
+        told = f"its gauge is {1e3 * line.gauge:g} mm, track.gauge_mm is {plain_number(1e3 * gauge)}"
         raise InputError(f"{file}: {told}; allowed: at most {1e3 * SAME_GAUGE:g} mm apart")
-    return line, base, *line.laws(base)
+    base = base or line.cant_base or gauge + RAIL_HEAD_WIDTH
+    return line, gauge, base, *line.laws(base)
 
 
 def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, str]:

@@ -6,7 +6,7 @@ the length of the line in space, s' = sqrt(1 + z'^2).
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -168,7 +168,7 @@ def alignment_laws(
 
     law = Laws(
         curvature=over_length(curvature(x) / stretch(x)),
-        cant=over_length(cross(x)),
+        cant=replace(over_length(cross(x)), kinks=cross.kinks),
         widening=Piecewise.through(distances[[0, -1]], np.zeros(2)),
         pitch=over_length(np.arctan(slope(x))),
         lift=None if mean.is_zero else over_length(mean(x)),

@@ -7,15 +7,16 @@ from functools import cache, cached_property
 from math import factorial, perm
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 Jet = tuple[Array, Array, Array]  # value, slope and second derivative
 
 DEGREE = 22  # of the interpolation of laws that are no polynomials
-_ANGLE = np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)
-NODES: Array = 0.5 + 0.5 * np.cos(_ANGLE)
+NODES: Array = 0.5 + 0.5 * chebyshev.chebpts1(DEGREE + 1)
 """Shares of a piece at which `interpolant` takes values: Chebyshev's nodes."""
+_FIT = chebyshev.chebvander(2.0 * NODES - 1.0, DEGREE) * np.append(1.0, np.full(DEGREE, 2.0)) / (DEGREE + 1)
 
 
 def interpolant(values: ArrayLike) -> Array:
@@ -23,11 +24,16 @@ def interpolant(values: ArrayLike) -> Array:
 
     Terms of the Chebyshev series within the rounding of the values, 1e-14 of the largest, are left out.
     """
-    values = np.asarray(values, dtype=np.float64)
-    series = values @ np.cos(_ANGLE[:, None] * np.arange(DEGREE + 1)) * 2.0 / (DEGREE + 1)
-    series[..., 0] *= 0.5
+    series = np.asarray(values, dtype=np.float64) @ _FIT
     series[np.abs(series) < 1e-14 * np.abs(series).max(axis=-1, keepdims=True)] = 0.0
     return np.asarray(series @ _chebyshev_powers())
+
+
+@cache
+def _chebyshev_powers() -> Array:
+    """Coefficients of rising powers of xi in Chebyshev's polynomials of 2 xi - 1, one a row."""
+    bases = [chebyshev.Chebyshev.basis(k, [0.0, 1.0]).convert(kind=np.polynomial.Polynomial) for k in range(DEGREE + 1)]
+    return np.array([np.pad(each.coef, (0, DEGREE + 1 - each.coef.size)) for each in bases])
 
 
 SLIVER = 1e-7  # shortest piece between breaks of different laws [m]
@@ -39,16 +45,6 @@ def merged(*breaks: Array) -> Array:
     inner = places[(places > places[0] + SLIVER) & (places < places[-1] - SLIVER)]
     inner = inner[np.append(True, np.diff(inner) > SLIVER)[: inner.size]]
     return np.concatenate((places[:1], inner, places[-1:]))
-
-
-@cache
-def _chebyshev_powers() -> Array:
-    """Coefficients of rising powers of xi in Chebyshev's polynomials of 2 xi - 1, one a row."""
-    rows = np.eye(DEGREE + 1)
-    rows[1, :2] = -1.0, 2.0
-    for k in range(2, DEGREE + 1):
-        rows[k] = 4.0 * np.roll(rows[k - 1], 1) - 2.0 * rows[k - 1] - rows[k - 2]
-    return rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +82,8 @@ class Piecewise:
     """
 
     pieces: Polynomials
+    kinks: tuple[float, float] = (0.0, 0.0)
+    """Half length over which kinks are rounded, and the largest change of the value by it."""
 
     @classmethod
     def of_rows(cls, edges: Array, rows: ArrayLike) -> Piecewise:
@@ -194,4 +192,5 @@ class Piecewise:
         for row, n in zip(c[-5:], orders, strict=True):
             slopes = sum(bump[4 - k] * powers[k - n] * perm(k, n) for k in range(n, 5))
             np.add.at(row, neighbours, slopes / factorial(n))
-        return Piecewise(Polynomials(c, parts)) if real.any() else self
+        change = 3.0 / 16.0 * float(np.abs(jump * width).max(initial=0.0))
+        return Piecewise(Polynomials(c, parts), (half_width, change)) if real.any() else self

@@ -272,7 +272,9 @@ class Track:
         bends = {s.centre_of_gravity_height for s in self.segments if isinstance(s, Transition)} - {None}
         high = ", ".join(f"{height:g}" for height in sorted(filter(None, bends)))
         bend = f"; Viennese bends for a centre of gravity {high} m above the rail tops" if high else ""
-        return f"over {1e3 * self.cant_base:g} mm, {turns}{bend}"
+        width, change = self.left_curve.cant.kinks
+        kinks = f"; kinks rounded over {width:g} m to either side, by up to {1e3 * change:.2g} mm" if change else ""
+        return f"over {1e3 * self.cant_base:g} mm, {turns}{kinks}{bend}"
 
     def grade(self, s: ArrayLike) -> Array:
         """Grade of the centre line: rise over level length, positive uphill."""
