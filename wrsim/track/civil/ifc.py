@@ -53,7 +53,7 @@ _ESCAPE = re.compile(r"''|\\\\|\\X2\\((?:[0-9A-Fa-f]{4})*)\\X0\\|\\X\\([0-9A-Fa-
 
 @dataclass
 class Step:
-    """The entities of a file by their number: name, arguments as text, place in the file."""
+    """The entities of a file by their number: name, arguments as text, place in the file; and its alignments."""
 
     path: Path
     text: str
@@ -103,6 +103,124 @@ class Step:
             raise self.fault(place, f"#{name}: cannot be read at {rest!r}; allowed: values of ISO 10303-21")
         return rows[0]
 
+    @cached_property
+    def parts(self) -> dict[int, dict[str, list[int]]]:
+        """What an object nests and aggregates, by the names of the entities."""
+        parts: dict[int, dict[str, list[int]]] = {}
+        for number in self.of("IFCRELNESTS", "IFCRELAGGREGATES"):
+            _, row, place = self.get(number, "IFCRELNESTS", "IFCRELAGGREGATES")
+            if len(row) < 6 or not isinstance(row[4], int) or not isinstance(row[5], list):
+                raise self.fault(place, f"#{number} has no object with a list of objects")
+            for part in row[5]:
+                name = self.entities[part][0] if isinstance(part, int) and part in self.entities else ""
+                parts.setdefault(row[4], {}).setdefault(name, []).append(part)
+        return parts
+
+    @cached_property
+    def wholes(self) -> dict[int, int]:
+        """The alignment that an alignment is a part of."""
+        return {part: whole for whole, parts in self.parts.items() for part in parts.get("IFCALIGNMENT", [])}
+
+    def number(self, row: Sequence[Any], i: int, place: int, default: float | None = None) -> float:
+        """A finite number among the arguments, also with a type around it."""
+        value = row[i] if i < len(row) else None
+        value = value[0] if isinstance(value, list) and len(value) == 1 else value
+        if value is None and default is not None:
+            return default
+        if not isinstance(value, float) or not math.isfinite(value):
+            raise self.fault(place, f"argument {i + 1} is {value!r:.40}; allowed: a finite number")
+        return value
+
+    @cached_property
+    def units(self) -> dict[str, float]:
+        """Metres in a unit of length, radians in one of angle."""
+        for project in self.of("IFCPROJECT")[:1]:
+            _, row, _ = self.get(project, "IFCPROJECT")
+            _, assigned, _ = self.get(row[-1] if row else None, "IFCUNITASSIGNMENT")
+            units = assigned[0] if assigned and isinstance(assigned[0], list) else []
+            known = [unit for unit in self.of("IFCSIUNIT", "IFCCONVERSIONBASEDUNIT") if unit in units]
+            factors = dict(map(self.unit, known))
+            if ".LENGTHUNIT." in factors:
+                return {".PLANEANGLEUNIT.": 1.0} | factors
+        raise InputError(f"{self.path}: IFCPROJECT assigns no unit of length; allowed: such as metres")
+
+    def unit(self, number: Any, depth: int = 0) -> tuple[str, float]:
+        """Kind of a unit, and how many SI units it is; 1 for those of other kinds."""
+        name, row, place = self.get(number, "IFCSIUNIT", "IFCCONVERSIONBASEDUNIT")
+        kind = row[1] if len(row) == 4 else None
+        if kind not in (".LENGTHUNIT.", ".PLANEANGLEUNIT."):
+            return str(kind), 1.0
+        if name == "IFCSIUNIT":
+            if row[3] not in (".METRE.", ".RADIAN.") or not (row[2] is None or row[2] in PREFIXES):
+                raise self.fault(place, f"a unit {row[2]} {row[3]}; allowed: metres with a prefix, radians")
+            return kind, 10.0 ** PREFIXES.get(row[2], 0)
+        _, measure, _ = self.get(row[3], "IFCMEASUREWITHUNIT")
+        factor = self.number(measure, 0, place)
+        if depth > 3 or len(measure) < 2 or not factor > 0.0:
+            raise self.fault(place, "a unit that is no positive number of another one")
+        return kind, factor * self.unit(measure[1], depth + 1)[1]
+
+    def layout(self, alignment: int, kind: str) -> int | None:
+        """The horizontal, vertical or cant layout of an alignment; several profiles share the plan of the whole."""
+        for owner in (alignment, self.wholes.get(alignment, -1))[: 2 if kind == "HORIZONTAL" else 1]:
+            for layout in self.parts.get(owner, {}).get(f"IFCALIGNMENT{kind}", []):
+                return layout
+        return None
+
+    def segments(self, layout: int | None, kind: str, forms: Mapping[str, Any]) -> Iterator[tuple[list[Any], str, int]]:
+        """Arguments, PredefinedType and place of the segments of a layout."""
+        for member in self.parts.get(layout if layout is not None else -1, {}).get("IFCALIGNMENTSEGMENT", []):
+            _, outer, place = self.get(member, "IFCALIGNMENTSEGMENT")
+            _, row, place = self.get(outer[-1] if outer else None, f"IFCALIGNMENT{kind}SEGMENT")
+            name = str(row[8]).strip(".").upper() if len(row) == 9 else "is missing"
+            if name not in forms:
+                raise self.fault(place, f"PredefinedType {name}; allowed: {', '.join(forms)}")
+            yield row, name, place
+
+    def alignment(self, number: int, name: str) -> CivilLine:
+        """One alignment of the file. Raises InputError."""
+        metre, radian = self.units[".LENGTHUNIT."], self.units[".PLANEANGLEUNIT."]
+        plan, profile, cant = list[Plan](), list[Profile](), list[Cant]()
+        end, base = None, None
+        for row, kind, place in self.segments(self.layout(number, "HORIZONTAL"), "HORIZONTAL", PLAN_FORMS):
+            _, point, _ = self.get(row[2], "IFCCARTESIANPOINT")
+            point = point[0] if point and isinstance(point[0], list) else []
+            east, north = (self.number(point, i, place) * metre for i in (0, 1))
+            if (length := self.number(row, 6, place) * metre) == 0.0:  # IFC ends a row with a segment without length
+                end = east, north
+                continue
+            radii = [self.number(row, i, place) * metre for i in (4, 5)]
+            start, stop = (0.0 if radius == 0.0 else 1.0 / radius for radius in radii)
+            stop = start if kind == "CIRCULARARC" and stop == 0.0 else stop
+            if kind in ("LINE", "CIRCULARARC") and (start != stop or (kind == "LINE") != (start == 0.0)):
+                message = f"{kind} from radius {radii[0]:g} to {radii[1]:g}; allowed: 0 for a line, one of an arc"
+                raise self.fault(place, message)
+            height = None if row[7] is None else self.number(row, 7, place) * metre
+            pose, line = (east, north, self.number(row, 3, place) * radian), self.line(place)
+            plan.append(Plan(length, start, stop, PLAN_FORMS[kind], height, pose, line))
+        for row, kind, place in self.segments(self.layout(number, "VERTICAL"), "VERTICAL", PROFILE_FORMS):
+            start, length, height = (self.number(row, i, place) * metre for i in (2, 3, 4))
+            slopes, line = [self.number(row, i, place) for i in (5, 6)], self.line(place)
+            if length:
+                profile.append(Profile(start, length, slopes[0], slopes[1], PROFILE_FORMS[kind], height, line))
+        if (layout := self.layout(number, "CANT")) is not None:
+            _, row, place = self.get(layout, "IFCALIGNMENTCANT")
+            base = self.number(row, 7, place) * metre
+        for row, kind, place in self.segments(layout, "CANT", CANT_FORMS):
+            start, length, *starts = (self.number(row, i, place) * metre for i in (2, 3, 4, 6))
+            left, right = (self.number(row, i, place, self.number(row, i - 1, place)) * metre for i in (5, 7))
+            sides, line = ((starts[0], starts[1]), (left, right)), self.line(place)
+            if length:
+                cant.append(Cant(start, length, *sides, CANT_FORMS[kind], line))
+        if not plan:
+            raise self.fault(self.entities[number][2], f"'{name}' has no segments in plan")
+        notes = (
+            f"IFC 4.3: lengths in plan, in units of {metre:g} m; x east, y north; radii positive to the left; cant "
+            "by the heights of both rails; stations not read",
+        )
+        origin, rows = plan[0].pose or (0.0, 0.0, 0.0), (tuple(plan), tuple(profile), tuple(cant))
+        return CivilLine(name, str(self.path), *rows, origin, base, end=end, notes=notes)
+
 
 def read_step(path: Path) -> Step:
     """The entities of a file. Raises InputError for other schemas than IFC 4.3, for cut files and repeated numbers."""
@@ -142,141 +260,16 @@ def _decoded(text: str) -> str:
     return _ESCAPE.sub(letters, text)
 
 
-@dataclass(frozen=True)
-class Reader:
-    """Alignments of the entities of a file."""
-
-    step: Step
-
-    @cached_property
-    def parts(self) -> dict[int, dict[str, list[int]]]:
-        """What an object nests and aggregates, by the names of the entities."""
-        parts: dict[int, dict[str, list[int]]] = {}
-        for number in self.step.of("IFCRELNESTS", "IFCRELAGGREGATES"):
-            _, row, place = self.step.get(number, "IFCRELNESTS", "IFCRELAGGREGATES")
-            if len(row) < 6 or not isinstance(row[4], int) or not isinstance(row[5], list):
-                raise self.step.fault(place, f"#{number} has no object with a list of objects")
-            for part in row[5]:
-                name = self.step.entities[part][0] if isinstance(part, int) and part in self.step.entities else ""
-                parts.setdefault(row[4], {}).setdefault(name, []).append(part)
-        return parts
-
-    @cached_property
-    def wholes(self) -> dict[int, int]:
-        """The alignment that an alignment is a part of."""
-        return {part: whole for whole, parts in self.parts.items() for part in parts.get("IFCALIGNMENT", [])}
-
-    def number(self, row: Sequence[Any], i: int, place: int, default: float | None = None) -> float:
-        """A finite number among the arguments, also with a type around it."""
-        value = row[i] if i < len(row) else None
-        value = value[0] if isinstance(value, list) and len(value) == 1 else value
-        if value is None and default is not None:
-            return default
-        if not isinstance(value, float) or not math.isfinite(value):
-            raise self.step.fault(place, f"argument {i + 1} is {value!r:.40}; allowed: a finite number")
-        return value
-
-    @cached_property
-    def units(self) -> dict[str, float]:
-        """Metres in a unit of length, radians in one of angle."""
-        for project in self.step.of("IFCPROJECT")[:1]:
-            _, row, _ = self.step.get(project, "IFCPROJECT")
-            _, assigned, _ = self.step.get(row[-1] if row else None, "IFCUNITASSIGNMENT")
-            units = assigned[0] if assigned and isinstance(assigned[0], list) else []
-            known = [unit for unit in self.step.of("IFCSIUNIT", "IFCCONVERSIONBASEDUNIT") if unit in units]
-            factors = dict(map(self.unit, known))
-            if ".LENGTHUNIT." in factors:
-                return {".PLANEANGLEUNIT.": 1.0} | factors
-        raise InputError(f"{self.step.path}: IFCPROJECT assigns no unit of length; allowed: such as metres")
-
-    def unit(self, number: Any, depth: int = 0) -> tuple[str, float]:
-        """Kind of a unit, and how many SI units it is; 1 for those of other kinds."""
-        name, row, place = self.step.get(number, "IFCSIUNIT", "IFCCONVERSIONBASEDUNIT")
-        kind = row[1] if len(row) == 4 else None
-        if kind not in (".LENGTHUNIT.", ".PLANEANGLEUNIT."):
-            return str(kind), 1.0
-        if name == "IFCSIUNIT":
-            if row[3] not in (".METRE.", ".RADIAN.") or not (row[2] is None or row[2] in PREFIXES):
-                raise self.step.fault(place, f"a unit {row[2]} {row[3]}; allowed: metres with a prefix, radians")
-            return kind, 10.0 ** PREFIXES.get(row[2], 0)
-        _, measure, _ = self.step.get(row[3], "IFCMEASUREWITHUNIT")
-        factor = self.number(measure, 0, place)
-        if depth > 3 or len(measure) < 2 or not factor > 0.0:
-            raise self.step.fault(place, "a unit that is no positive number of another one")
-        return kind, factor * self.unit(measure[1], depth + 1)[1]
-
-    def layout(self, alignment: int, kind: str) -> int | None:
-        """The horizontal, vertical or cant layout of an alignment; several profiles share the plan of the whole."""
-        for owner in (alignment, self.wholes.get(alignment, -1))[: 2 if kind == "HORIZONTAL" else 1]:
-            for layout in self.parts.get(owner, {}).get(f"IFCALIGNMENT{kind}", []):
-                return layout
-        return None
-
-    def segments(self, layout: int | None, kind: str, forms: Mapping[str, Any]) -> Iterator[tuple[list[Any], str, int]]:
-        """Arguments, PredefinedType and place of the segments of a layout."""
-        for member in self.parts.get(layout if layout is not None else -1, {}).get("IFCALIGNMENTSEGMENT", []):
-            _, outer, place = self.step.get(member, "IFCALIGNMENTSEGMENT")
-            _, row, place = self.step.get(outer[-1] if outer else None, f"IFCALIGNMENT{kind}SEGMENT")
-            name = str(row[8]).strip(".").upper() if len(row) == 9 else "is missing"
-            if name not in forms:
-                raise self.step.fault(place, f"PredefinedType {name}; allowed: {', '.join(forms)}")
-            yield row, name, place
-
-    def alignment(self, number: int, name: str) -> CivilLine:
-        """One alignment of the file. Raises InputError."""
-        metre, radian = self.units[".LENGTHUNIT."], self.units[".PLANEANGLEUNIT."]
-        plan, profile, cant = list[Plan](), list[Profile](), list[Cant]()
-        end, base = None, None
-        for row, kind, place in self.segments(self.layout(number, "HORIZONTAL"), "HORIZONTAL", PLAN_FORMS):
-            _, point, _ = self.step.get(row[2], "IFCCARTESIANPOINT")
-            point = point[0] if point and isinstance(point[0], list) else []
-            east, north = (self.number(point, i, place) * metre for i in (0, 1))
-            if (length := self.number(row, 6, place) * metre) == 0.0:  # IFC ends a row with a segment without length
-                end = east, north
-                continue
-            radii = [self.number(row, i, place) * metre for i in (4, 5)]
-            start, stop = (0.0 if radius == 0.0 else 1.0 / radius for radius in radii)
-            stop = start if kind == "CIRCULARARC" and stop == 0.0 else stop
-            if kind in ("LINE", "CIRCULARARC") and (start != stop or (kind == "LINE") != (start == 0.0)):
-                message = f"{kind} from radius {radii[0]:g} to {radii[1]:g}; allowed: 0 for a line, one of an arc"
-                raise self.step.fault(place, message)
-            height = None if row[7] is None else self.number(row, 7, place) * metre
-            pose, line = (east, north, self.number(row, 3, place) * radian), self.step.line(place)
-            plan.append(Plan(length, start, stop, PLAN_FORMS[kind], height, pose, line))
-        for row, kind, place in self.segments(self.layout(number, "VERTICAL"), "VERTICAL", PROFILE_FORMS):
-            start, length, height = (self.number(row, i, place) * metre for i in (2, 3, 4))
-            slopes, line = [self.number(row, i, place) for i in (5, 6)], self.step.line(place)
-            if length:
-                profile.append(Profile(start, length, slopes[0], slopes[1], PROFILE_FORMS[kind], height, line))
-        if (layout := self.layout(number, "CANT")) is not None:
-            _, row, place = self.step.get(layout, "IFCALIGNMENTCANT")
-            base = self.number(row, 7, place) * metre
-        for row, kind, place in self.segments(layout, "CANT", CANT_FORMS):
-            start, length, *starts = (self.number(row, i, place) * metre for i in (2, 3, 4, 6))
-            left, right = (self.number(row, i, place, self.number(row, i - 1, place)) * metre for i in (5, 7))
-            sides, line = ((starts[0], starts[1]), (left, right)), self.step.line(place)
-            if length:
-                cant.append(Cant(start, length, *sides, CANT_FORMS[kind], line))
-        if not plan:
-            raise self.step.fault(self.step.entities[number][2], f"'{name}' has no segments in plan")
-        notes = (
-            f"IFC 4.3: lengths in plan, in units of {metre:g} m; x east, y north; radii positive to the left; cant "
-            "by the heights of both rails; stations not read",
-        )
-        origin, rows = plan[0].pose or (0.0, 0.0, 0.0), (tuple(plan), tuple(profile), tuple(cant))
-        return CivilLine(name, str(self.step.path), *rows, origin, base, end=end, notes=notes)
-
-
 def read_ifc(path: Path) -> dict[str, Any]:
     """The alignments of a file by their names, each as a function that reads it. Raises InputError."""
-    reader = Reader(read_step(path))
+    step = read_step(path)
     lines: dict[str, Any] = {}
-    for number in reader.step.of("IFCALIGNMENT"):
-        _, row, _ = reader.step.get(number, "IFCALIGNMENT")
-        if reader.layout(number, "HORIZONTAL") is not None:
+    for number in step.of("IFCALIGNMENT"):
+        _, row, _ = step.get(number, "IFCALIGNMENT")
+        if step.layout(number, "HORIZONTAL") is not None:
             name = row[2] if len(row) > 2 and isinstance(row[2], str) and row[2] else f"#{number}"
             name = name if name not in lines else f"{name} #{number}"
-            lines[name] = partial(reader.alignment, number, name)
+            lines[name] = partial(step.alignment, number, name)
     return lines
 
 
@@ -315,13 +308,8 @@ def ifc_text(line: CivilLine, base: float, date: str) -> str:
     def layout(name: str, segments: Sequence[tuple[Any, ...]], *further: Any) -> Word:
         whole = root(name, None, None, None, None, None, *further)
         designs = [add(f"{name}SEGMENT", None, None, *segment) for segment in segments]
-        root(
-            "IFCRELNESTS",
-            None,
-            None,
-            whole,
-            [root("IFCALIGNMENTSEGMENT", *[None] * 3, place, None, d) for d in designs],
-        )
+        parts = [root("IFCALIGNMENTSEGMENT", *[None] * 3, place, None, design) for design in designs]
+        root("IFCRELNESTS", None, None, whole, parts)
         return whole
 
     axes = add("IFCAXIS2PLACEMENT3D", add("IFCCARTESIANPOINT", [0.0, 0.0, 0.0]), None, None)
@@ -345,17 +333,16 @@ def ifc_text(line: CivilLine, base: float, date: str) -> str:
     for p in line.profile_rows() if line.profile else []:
         kind = "CONSTANTGRADIENT" if p.slope_start == p.slope_end else _kind(PROFILE_FORMS, p.form)
         rows_of["VERTICAL"].append((p.start, p.length, p.height, p.slope_start, p.slope_end, None, Word(f".{kind}.")))
-        end = p.end, 0.0, p.end_height, p.slope_end, p.slope_end, None, Word(".CONSTANTGRADIENT.")
-    for c in line.cant_rows() if line.cant else []:
-        constant = c.rails_start == c.rails_end
-        heights = (height for rail in (0, 1) for height in (c.rails_start[rail], c.rails_end[rail]))
-        kind = "CONSTANTCANT" if constant else _kind(CANT_FORMS, c.form)
-        rows_of["CANT"].append((c.start, c.length, *heights, Word(f".{kind}.")))
-        last = c.end, 0.0, c.rails_end[0], c.rails_end[0], c.rails_end[1], c.rails_end[1], Word(".CONSTANTCANT.")
     if line.profile:
-        rows_of["VERTICAL"].append(end)
+        last = p.end, 0.0, p.end_height, p.slope_end, p.slope_end, None, Word(".CONSTANTGRADIENT.")
+        rows_of["VERTICAL"].append(last)
+    for c in line.cant_rows() if line.cant else []:
+        kind = "CONSTANTCANT" if c.rails_start == c.rails_end else _kind(CANT_FORMS, c.form)
+        heights = (height for rail in (0, 1) for height in (c.rails_start[rail], c.rails_end[rail]))
+        rows_of["CANT"].append((c.start, c.length, *heights, Word(f".{kind}.")))
     if line.cant:
-        rows_of["CANT"].append(last)
+        left, right = c.rails_end
+        rows_of["CANT"].append((c.end, 0.0, left, left, right, right, Word(".CONSTANTCANT.")))
     further = {"CANT": (base,)}
     parts = [layout(f"IFCALIGNMENT{kind}", rows, *further.get(kind, ())) for kind, rows in rows_of.items() if rows]
     root("IFCRELNESTS", None, None, alignment, parts)
@@ -364,9 +351,8 @@ def ifc_text(line: CivilLine, base: float, date: str) -> str:
         f"FILE_NAME({_written(line.name)},'{date}T00:00:00',(''),(''),'wrsim','wrsim','');",
         "FILE_SCHEMA(('IFC4X3_ADD2'));",
     )
-    return "\n".join(
-        ["ISO-10303-21;", "HEADER;", *header, "ENDSEC;", "DATA;", *rows, "ENDSEC;", "END-ISO-10303-21;", ""]
-    )
+    lines = "ISO-10303-21;", "HEADER;", *header, "ENDSEC;", "DATA;", *rows, "ENDSEC;", "END-ISO-10303-21;", ""
+    return "\n".join(lines)
 
 
 def _kind(forms: Mapping[str, str], form: str) -> str:

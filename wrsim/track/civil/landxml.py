@@ -184,9 +184,7 @@ def _tangents(point: Element, before: float, behind: float, metre: float) -> tup
     if point.tag == "PVI":
         return 0.0, 0.0
     radius, turn = abs(point.number("radius")) * metre, abs(math.atan(behind) - math.atan(before))
-    length = point.number("length", radius * turn / metre) * metre
-    if abs(length - radius * turn) > JOINT + 1e-3 * length:  # along the curve or in plan: up to 1 per cent of slope^2/2
-        raise point.fault(f"length {length:g} m, but radius and slopes make {radius * turn:g} m; allowed: as these do")
+    point.check_arc(point.number("length", radius * turn / metre) * metre, radius * turn)
     tangent = radius * math.tan(0.5 * turn)
     return tangent / math.hypot(1.0, before), tangent / math.hypot(1.0, behind)
 

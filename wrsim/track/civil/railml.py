@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any, Literal
 
-from wrsim.track.alignment import JOINT, Plan, Profile
+from wrsim.track.alignment import Plan, Profile
 from wrsim.track.civil.line import CivilLine
 from wrsim.track.civil.xml_tree import Element
 from wrsim.track.forms import Form
@@ -39,10 +39,8 @@ def read_railml(root: Element) -> dict[str, Any]:
 
 def _alignment(root: Element, name: str, rows: dict[str, list[Element]]) -> CivilLine:
     plan = tuple(_plan(rows["horizontalCurve"]))
-    notes = (
-        "railML: lengths in plan, in m; curves in the order of the file; radii positive to the right; level, for "
-        "railML 3 has no cant",
-    )
+    conventions = "lengths in plan, in m; curves in the order of the file; radii positive to the right"
+    notes = (f"railML: {conventions}; level, for railML 3 has no cant",)
     azimuth = rows["horizontalCurve"][0].number("azimuth", 90.0)  # without one to the east, as tracks of ours
     origin = (0.0, 0.0, math.radians(90.0 - azimuth))
     profile = tuple(_profile(rows.get("gradientCurve", [])))
@@ -61,18 +59,18 @@ def _plan(rows: Sequence[Element]) -> Iterator[Plan]:
     for row, (form, _), known, behind in zip(rows, kinds, fixed, [*fixed[1:], 0.0], strict=True):
         length, turn = row.number("length"), -math.radians(row.number("deltaAzimuth", 0.0))
         start, told = end if known is None else known, "deltaAzimuth" in row.attributes
-        if known is None and behind is None and not (told and length > 0.0):
-            message = "is followed by another transition; allowed: with deltaAzimuth, which has the curvature between"
-            raise row.fault(message)
-        if known is not None or behind is not None:
-            end = known if known is not None else behind or 0.0
-        else:
-            end = 2.0 * turn / length - start  # all forms turn by the mean of both curvatures
-        made = 0.5 * (start + end) * length
+        stop = behind if known is None else known
+        if stop is None:
+            if not (told and length > 0.0):
+                message = "is followed by another transition; allowed: with deltaAzimuth, which has the curvature"
+                raise row.fault(f"{message} between")
+            stop = 2.0 * turn / length - start  # all forms turn by the mean of both curvatures
+        made = 0.5 * (start + stop) * length
         if told and form != "cubic parabola" and not abs(turn - made) <= DELTA:
             angles = f"deltaAzimuth = {-math.degrees(turn):g}, length and radii make {-math.degrees(made):g}"
             raise row.fault(f"{angles}; allowed: at most {math.degrees(DELTA):.2g} apart")
-        yield Plan(length, start, end, form, line=row.line)
+        yield Plan(length, start, stop, form, line=row.line)
+        end = stop
 
 
 def _profile(rows: Sequence[Element]) -> Iterator[Profile]:
@@ -84,10 +82,7 @@ def _profile(rows: Sequence[Element]) -> Iterator[Profile]:
         if kind == "circle":
             turn = abs(math.atan(end) - math.atan(slope))
             radius = abs(row.number("radius", length / (turn or 1.0)))
-            if abs(length - radius * turn) > JOINT + 1e-3 * length:
-                raise row.fault(
-                    f"length {length:g} m, but radius and gradients make {radius * turn:g} m; allowed: as these do"
-                )
+            row.check_arc(length, radius * turn)
             length = radius * abs(Profile(0.0, 0.0, slope, end).bend)
         element = Profile(place, length, slope, end, kind, height, row.line)
         yield element

@@ -11,6 +11,7 @@ from xml.parsers import expat
 
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.toml_files import read_bytes, shortened
+from wrsim.track.alignment import JOINT
 
 T = TypeVar("T")
 MOST_ELEMENTS, DEEPEST = 2_000_000, 100
@@ -58,6 +59,12 @@ class Element:
         if key not in self.attributes and default is not None:
             return default
         return self.numbers(self.attributes.get(key, ""), 1, f"{key} = {self.attributes.get(key)!r}")[0]
+
+    def check_arc(self, length: float, arc: float) -> None:
+        """Refuse a vertical curve whose length in the file is not that of its arc [m], along it or in plan: up to 1 per
+        cent of slope^2/2 apart. Raises InputError."""
+        if abs(length - arc) > JOINT + 1e-3 * length:
+            raise self.fault(f"length {length:g} m, but radius and slopes make {arc:g} m; allowed: as these do")
 
     def numbers(self, text: str, least: int, name: str) -> list[float]:
         """Finite numbers in a text. Raises InputError where they are fewer, or more than three."""
