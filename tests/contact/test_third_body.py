@@ -55,8 +55,8 @@ def test_a_layer_that_yields_follows_contact(series):
     assert_allclose([exact(x, layer)[0] for x in TRACTION[0]], TRACTION[1 + series], atol=5e-4)
 
 
-# measured: 0.0014 with 40 elements, 0.0074, 0.0128 at a creepage of 1 %; without the layer 0.17
-@pytest.mark.parametrize(("model", "most"), [("half-space", 2e-3), ("fastsim", 0.01), ("fastrip", 0.015)])
+# measured: 0.0014 with 40 elements, 0.0074, 0.0093 at a creepage of 0.6 %; without the layer 0.17
+@pytest.mark.parametrize(("model", "most"), [("half-space", 2e-3), ("fastsim", 0.01), ("fastrip", 0.01)])
 def test_a_thick_elastic_layer_follows_contact(model, most):
     found = []
     for creepage in FALLING[0]:
@@ -100,15 +100,21 @@ def test_a_very_soft_layer_is_a_bed_of_springs():
     assert 0.0 < errors[1] < 0.15 * errors[0] < 0.015
 
 
-@pytest.mark.parametrize("model", ["fastsim", "fastsim, blended", "fastrip"])
-def test_an_elastic_layer_takes_its_part_of_kalker_s_stiffness_and_nothing_of_friction(model):
-    plain = total(roll(1.0, 1e-7, model=model))[0]
+# FaStrip's zone of adhesion ends within a cell: 1e-5 with 160 strips and cells, 1e-3 with 40 and 20
+@pytest.mark.parametrize(
+    ("model", "count", "most"), [("fastsim", 20, 1e-5), ("fastsim, blended", 20, 1e-5), ("fastrip", 160, 1e-4)]
+)
+def test_an_elastic_layer_takes_its_part_of_kalker_s_stiffness_and_nothing_of_friction(model, count, most):
+    def force(creepage, layer=0.0):
+        return total(roll(1.0, creepage, model=model, layer=layer, strips=2 * count, cells=count))[0]
+
+    plain = force(1e-7)
     soft = 8.0 * MEAN_RADIUS / (3.0 * kalker_coefficients(COEFFICIENTS, 1.0).c11 * SHEAR_MODULUS)  # L1 of the circle
-    softer = [total(roll(1.0, 1e-7, model=model, layer=part * soft))[0] for part in (1.0, 2.0)]
+    softer = [force(1e-7, part * soft) for part in (1.0, 2.0)]
     # the compliances of bodies and layer add up
-    assert 1.0 / softer[1] - 1.0 / softer[0] == pytest.approx(1.0 / softer[0] - 1.0 / plain, rel=1e-5)
+    assert 1.0 / softer[1] - 1.0 / softer[0] == pytest.approx(1.0 / softer[0] - 1.0 / plain, rel=most)
     assert softer[0] == pytest.approx(0.5 * plain, rel=0.01)
-    assert total(roll(1.0, 0.3, model=model, layer=soft))[0] == pytest.approx(total(roll(1.0, 0.3, model=model))[0])
+    assert force(0.3, soft) == pytest.approx(force(0.3))
 
 
 def test_models_without_a_layer_say_which_have_one():

@@ -15,19 +15,21 @@ Behind the adhesion zone the tractions are followed as in FASTSIM, with one flex
 where they stick again (`march`).
 
 With much spin (|psi| -> 1) strip theory has no answer. The adhesion zone is faded out from |psi| = 0.85 on; for
-|psi| >= 1 the march starts at the leading edge from zero. The slip zone then is longer than e: alpha is taken for the
-length that it has, so that what sticks still follows the rigid slip. |alpha| is below 1 then, and no creepage at all is
-no place where the direction of a traction at the bound changes by itself.
-Not in the paper: the one flexibility and the sticking again, the fading, and that the longitudinal creepage by spin
-works through L1 like the rest of it.
+|psi| >= 1 the march starts at the leading edge from zero. An elastic layer takes of the zone its share in L1: on a bed
+of springs alone tractions are FASTSIM's. The slip zone then is longer than e: alpha is taken for the length that it
+has, so that what sticks still follows the rigid slip. |alpha| is below 1 then, and no creepage at all is no place where
+the direction of a traction at the bound changes by itself. Its tractions are reduced so that small creepages give
+Kalker's forces.
+Not in the paper: the one flexibility and the sticking again, the fading, the layer, and that the longitudinal creepage
+by spin works through L1 like the rest of it.
 """
 
-from math import asin, pi, sqrt
+from math import acos, asin, pi, sqrt
 
 from wrsim.contact.creep.flexibility import Rolling
 from wrsim.contact.creep.history import march_with_history
 from wrsim.contact.creep.march import BOUND, START_X, START_Y, STUCK, TINY, begin, largest_traction, march
-from wrsim.jit import Array, Record, kernel
+from wrsim.jit import Array, Record, inlined, kernel
 
 FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
 
@@ -48,7 +50,7 @@ def fastrip(on: Rolling, model: Record, half_length: float, speed: float) -> Non
             x = -shift * strip.xi / (soft.l1 * bound)
             y = -shift * strip.eta / (soft.l2 * bound)
             psi = -direction * 0.375 * half_length * strip.phi * strip.a / (soft.l3 * bound)
-            ax, ay, d = _adhesion(x, y, psi)
+            ax, ay, d = _adhesion(x, y, psi, 1.0 - model.layer / soft.l1)
         # what k_d takes from the bound in the adhesion zone; the march adds the rest
         fx = -ax * 0.5 * pi * d * d / dx
         fy = (psi - ay) * 0.5 * pi * d * d / dx
@@ -81,8 +83,9 @@ def _add_adhesion(row: Array, cells: int, psi: float, traction: Array) -> None:
 
 
 @kernel
-def _adhesion(x: float, y: float, psi: float) -> tuple[float, float, float]:
-    """alpha and half length d of the adhesion zone over a (creep-fastrip-e); x, y: xi'/a, eta'/a."""
+def _adhesion(x: float, y: float, psi: float, share: float) -> tuple[float, float, float]:
+    """alpha and half length d of the adhesion zone over a (creep-fastrip-e); x, y: xi'/a, eta'/a; share: of the bodies
+    in the flexibility."""
     size2 = x * x + y * y
     e = 1.0
     if abs(psi) < 1.0:
@@ -93,8 +96,8 @@ def _adhesion(x: float, y: float, psi: float) -> tuple[float, float, float]:
             e = size2 / root
     # smooth, from 1 at FADING to 0 at |psi| = 1
     part = min(max((1.0 - abs(psi)) / (1.0 - FADING), 0.0), 1.0)
-    kept = part * part * (3.0 - 2.0 * part)
-    start = min(2.0 * kept, 1.0)
+    kept = share * part * part * (3.0 - 2.0 * part)
+    start = _linear_share(kept)
     d = kept * (1.0 - e)
     ax, ay = x, y + psi * (1.0 - d)
     size = max(sqrt(ax * ax + ay * ay), 1.0 - d)
@@ -104,3 +107,15 @@ def _adhesion(x: float, y: float, psi: float) -> tuple[float, float, float]:
     elif psi != 0.0:
         ay = 1.0 if psi > 0.0 else -1.0
     return start * ax, start * ay, d
+
+
+@inlined
+def _linear_share(kept: float) -> float:
+    """Factor on the tractions of an adhesion zone that begins with this half length over a, 0 to 1: with the march
+    behind it an ellipse then has Kalker's forces at small creepages."""
+    rest = 1.0 - kept
+    if rest <= 0.0 or kept <= 0.0:
+        return max(kept, 0.0)
+    root = 2.0 * sqrt(kept * rest)
+    area = 0.5 * (acos(1.0 - 2.0 * kept) - (1.0 - 2.0 * kept) * root) - 0.5 * pi * kept * kept
+    return pi * (1.0 - rest * rest) / (area / rest + 2.0 * root)
