@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from wrsim.contact import records as k
 from wrsim.contact.arrays import Arrays
 from wrsim.contact.patches import RawContacts, patch_channels
-from wrsim.contact.prescribed_load import SEARCH, SEGMENT, side_by_side, some_poses
+from wrsim.contact.prescribed_load import SEARCH, side_by_side, some_poses
 from wrsim.contact.wheel_rail import compile_stages
 from wrsim.contact.workspace import pack
 from wrsim.errors import InputError
@@ -90,9 +90,8 @@ def evaluate_poses(
             raise InputError(f"load = {wanted[i]:g} of pose {i}: must be a vertical force above 0 N")
     count = cores() if threads is None else threads
     use_threads(count)
-    segment = np.arange(n) // (1 if load is None else SEGMENT)  # without a load no pose knows of another one
-    count = min(count, int(segment[-1]) + 1)
-    mine = [np.flatnonzero(segment % count == t) for t in range(count)]
+    count = min(count, n)
+    mine = [np.arange(t, n, count) for t in range(count)]
     share = len(mine[0])
     number = inputs.model[0]
     compile_stages(k.CONTACT)

@@ -185,9 +185,8 @@ class ContactModel:
     ) -> Contacts:  # fmt: skip
         """Contacts of many poses, each at the height at which its vertical force is the load to 1e-8 of it.
 
-        The search begins at the height of the pose, in contact or above its rail, and the strip model with the contact
-        of the pose before. Every contact is at last computed cold, so that the order acts within the tolerance of the
-        load alone; threads change no bit. The bits are those of ``evaluate_many(found.poses)``.
+        The search begins at the height of the pose, in contact or above its rail. Neither the order of poses nor the
+        threads change a bit. ``evaluate_many(contacts.poses)`` gives the same contacts within that tolerance.
 
         Parameters
         ----------

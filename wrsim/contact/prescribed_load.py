@@ -5,9 +5,8 @@ approach, so the search is a secant of force^(2/3) over the height, within a bra
 the secant do not halve it. Without contact the wheel comes down by the distance between the profiles, which it cannot
 pass, and by the approach that a sphere of the wheel's radius needs.
 
-The strip model starts from the last contact until the load is met to `WARM`, and cold from there on: what is returned
-is a cold contact that carries the load to its tolerance. So the order of poses acts within that tolerance alone. Where
-warm contacts do not lead to the load, the search begins anew with cold ones.
+The strip model starts cold at the first height with contact and from there on from the last contact; where that does
+not lead to the load, the search begins anew with cold starts alone. No pose knows of another one.
 """
 
 from math import inf
@@ -75,14 +74,12 @@ SEARCH = record("""
 SEARCHING, REACHED = -1, 0
 """Outcomes of a step of the search besides the STATUS bits of a load that is not reached."""
 
-WARM = 1e-7  # of the load: tenfold what two warm contacts of one pose differ by (contact.workspace.WARM_TOLERANCE)
 NOISE = 1e-4  # of the load's 2/3 power: a difference of two forces that gives the rate to a thousandth of it
 IDLE = 0.1  # of the excess: a step that takes less of it, within the noise, was far too short; the next one is twice it
 STEEPEST = 100.0  # slope of force^(2/3) within the bracket over Hertz's, force^(2/3) over approach: beyond it is a jump
-MOST_RESIDUALS = 1350  # of the strip model at a load: fifty times the median of random poses, 27
+MOST_RESIDUALS = 1200  # of the strip model at a load: fifty times the median of random poses, 24
 HIGHEST = 0.1  # above its rail, from where a wheel is let down [m]
 CLOSEST = 1e-6  # distance of profiles that do not touch, at least [m]
-SEGMENT = 32  # poses that follow each other on one thread, whatever the number of threads: the first one starts cold
 
 BATCH = 4  # arrays in a workspace before those of the contact: poses, searches, and of each TOTAL and LOBE records
 _MODEL, _POSE, _STATE, _PATCHES, _MEMO = (
@@ -102,15 +99,8 @@ def begin_search(s: Record) -> None:
     """Begin, or begin anew, at the height ``s.start``."""
     s.height, s.first = s.start, s.start
     s.rate = s.last_height = s.last_excess = 0.0
-    s.asked = s.touched = 0
-    _open(s)
-
-
-@inlined
-def _open(s: Record) -> None:
-    """Forget the bracket."""
     s.low, s.high, s.width = -inf, inf, inf
-    s.bracketed = 0
+    s.asked = s.touched = s.bracketed = 0
 
 
 @kernel
@@ -173,8 +163,8 @@ def approach_of(lobes: Records, total: Record) -> float:
 
 
 @inlined
-def _search(buffer: Array, index: Ints, s: Record, tolerance: float) -> int:
-    """Search to this tolerance; the workspace then holds the contact asked for last. Returns REACHED or STATUS bits.
+def _search(buffer: Array, index: Ints, s: Record) -> int:
+    """Search; the workspace then holds the contact asked for last. Returns REACHED or STATUS bits.
     The load is unsolved where the strip model takes more than MOST_RESIDUALS in all contacts together."""
     contact_index = index[index.shape[0] - _HELD :]
     pose, lobes, total = (
@@ -192,7 +182,7 @@ def _search(buffer: Array, index: Ints, s: Record, tolerance: float) -> int:
             return STATUS_NOT_CONVERGED
         if s.residuals > MOST_RESIDUALS:  # type: ignore[operator]
             return STATUS_LOAD_UNSOLVED
-        outcome = next_height(s, total.Fb, approach_of(lobes, total), tolerance)
+        outcome = next_height(s, total.Fb, approach_of(lobes, total), s.tolerance)
     return outcome
 
 
@@ -210,19 +200,13 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
         if start == COLD_START:
             memo.grids_before = 0
         state.start = FROM_LAST
-        outcome = _search(buffer, contact_index, s, max(WARM, s.tolerance))
-        if outcome == REACHED:
-            state.start = COLD_START
-            _open(s)
-            if s.rate < 0.0:
-                s.height -= (_power(results(buffer, contact_index)[0].Fb) - _power(s.load)) / s.rate
-            outcome = _search(buffer, contact_index, s, s.tolerance)
+        outcome = _search(buffer, contact_index, s)
         if outcome != REACHED and s.residuals <= MOST_RESIDUALS:  # type: ignore[operator]
             begin_search(s)
             outcome = SEARCHING
     state.start = COLD_START
     if outcome == SEARCHING:
-        outcome = _search(buffer, contact_index, s, s.tolerance)
+        outcome = _search(buffer, contact_index, s)
     state.start = start
     total = results(buffer, contact_index)[0]
     total.status |= outcome
@@ -237,8 +221,7 @@ def contact_at_load(buffer: Array, index: Ints) -> int:
 
 @kernel
 def some_poses(buffer: Array, index: Ints) -> int:
-    """A stage: contacts at the poses of a workspace, each at its load, in segments that know nothing of each other.
-    Returns 0."""
+    """A stage: contacts at the poses of a workspace, each at its load. Returns 0."""
     contact_index = index[index.shape[0] - _HELD :]
     first = index.shape[0] - _HELD - BATCH
     poses, searches = matrix(buffer, index, first), records(buffer, index, first + 1, SEARCH)
@@ -249,26 +232,21 @@ def some_poses(buffer: Array, index: Ints) -> int:
         results(buffer, contact_index),
     )
     call, state = call_of(buffer, contact_index), records(buffer, contact_index, _STATE, STATE)[0]
-    start = COLD_START
+    state.start = COLD_START
     for i in range(poses.shape[0]):
         s = searches[i]
-        start = COLD_START if i % SEGMENT == 0 else start
         if s.load < 0.0:
             continue
         copy(pose.shape[0], poses[i], pose)
         call.wheel_angle = s.angle
         if s.load > 0.0:
-            state.start = start
             meet_load(buffer, contact_index, s)
             poses[i, 2] = pose[2]
-            start = FROM_LAST
         else:
-            state.start = COLD_START
             stages.run(CONTACT, buffer, contact_index)
         totals[i] = total[0]
         for k in range(total[0].lobes):
             lobes[i, k] = lobes_of_pose[k]
-    state.start = COLD_START
     return 0
 
 

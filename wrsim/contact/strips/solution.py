@@ -17,7 +17,7 @@ from wrsim.contact.strips.changes import (
 from wrsim.contact.strips.equations import block_of, edges_of, hold_edges, place_strips, set_fading
 from wrsim.contact.strips.grid_layout import MIN_DEPTH
 from wrsim.contact.strips.hertz import hertz_ellipse
-from wrsim.contact.strips.newton import CHECK_RESIDUAL, affords, descend, newton
+from wrsim.contact.strips.newton import CHECK_RESIDUAL, DROP_RESIDUAL, affords, descend, newton
 from wrsim.contact.strips.records import EDGES, ROWS, System, V
 from wrsim.jit import Record, Records, kernel
 from wrsim.jit.dense import copy
@@ -231,7 +231,7 @@ def _solve_at_once(system: System, n: int, level: float) -> bool:
     for g in range(memo.grids):
         if system.grids[g].deepest >= START_DEPTH * memo.deepest:
             _first_guess(system, n, g, level)
-    return descend(system, n, CHECK_RESIDUAL) and _converges(system, n, TOLERANCE)
+    return descend(system, n, DROP_RESIDUAL) and _converges(system, n, TOLERANCE)
 
 
 @kernel
