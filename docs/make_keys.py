@@ -106,8 +106,8 @@ channels of one wheelset without the dimension `wheelset`, with its own distance
 Attributes of the dataset: `format`, `format_version`, `title`, `analysis`, `status` ("completed" or "stopped"),
 `resolved_with` and `resolved_at_same` (snapshots solved again by another contact model), `stop_reason` (a sentence),
 `stop_cause` (one word), `stop_time_s`, `stop_distance_m`; of a run `integrator`, `step_s`, `steps`, `evaluations` (of
-the forces), `jacobians`, `explicit_steps`; `scenario_text`, `inputs` (JSON: SHA-256 of every file that is read, by
-its name), and the versions of wrsim, Python and the numerical libraries.
+the forces), `jacobians`, `cut_steps`, `explicit_steps`, `refined_steps`; `scenario_text`, `inputs` (JSON: SHA-256 of
+every file that is read, by its name), and the versions of wrsim, Python and the numerical libraries.
 """
 STATUS = """# Status words and messages
 Every status word, made from the code.

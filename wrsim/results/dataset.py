@@ -19,7 +19,7 @@ from wrsim.results.netcdf import parts_of
 
 FORMAT = "wrsim result"
 FORMAT_VERSION = 3
-COUNTS = ("steps", "evaluations", "jacobians", "cut_steps", "explicit_steps")
+COUNTS = ("steps", "evaluations", "jacobians", "cut_steps", "explicit_steps", "refined_steps")
 """What the integration of a run took, among the attributes of its result."""
 REQUIRED_ATTRIBUTES = ("title", "analysis", "status", "scenario_text")
 OF_VEHICLE = ("body", "point", "suspension", "coupling", "external_load")

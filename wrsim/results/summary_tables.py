@@ -248,6 +248,8 @@ def integration(summary: Summary) -> list[str]:
     words = f"{took['integrator']}: {took['steps']} steps of {quantity(took['step_ms'], 'ms')}"
     words += f", {took['evaluations']} evaluations of the forces"
     words += f", {took['jacobians']} Jacobians" if took["jacobians"] else ""
+    if refined := took.get("refined_steps"):
+        words += f"; {refined} of {took['steps']} steps refined"
     cut = f"; {took['cut_steps']} of {took['steps']} steps subdivided"
     return [words + (f"{cut}, {took['explicit_steps']} of them by rk44" if took["cut_steps"] else "")]
 

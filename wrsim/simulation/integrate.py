@@ -277,6 +277,7 @@ class Integration:
         if bad >= 0:
             return self._stop("not-finite", f"{_name(bad, self.system)} is not a number at t = {self._time(k):.6g} s")
         self._last = k
+        self.system.work.refined_steps += self._parts > 1
         self._q[:], self._q_t[:] = q, q_t
         sampled = k % self._every == 0 or k == self._steps
         if self._watch is not None:
@@ -287,8 +288,8 @@ class Integration:
             reason = self.monitor(self._time(k), q, q_t)
             if reason:
                 return self._stop("monitor", reason)
-            if self._parts_needed() > self._parts:
-                return False  # the segment goes on in shorter steps
+            if self._parts_needed() > self._parts or self._parts_needed() == 1 < self._parts:
+                return False  # the segment goes on in shorter steps, or in whole ones
         if self.progress is not None:
             now = time.perf_counter()
             if now - self._reported >= PROGRESS_INTERVAL:

@@ -52,18 +52,19 @@ class NotFinite(SimulationError):
 @dataclass
 class Work:
     """Evaluations of the force law and of its derivatives; implicit steps that were cut into parts, and how many of
-    these were taken by RK44."""
+    these were taken by RK44; steps taken in parts for their accuracy."""
 
     evaluations: int = 0
     jacobians: int = 0
     cut_steps: int = 0
     explicit_steps: int = 0
+    refined_steps: int = 0
 
     def get_state(self) -> Array:
         return np.array(astuple(self), dtype=float)
 
     def set_state(self, memory: Array) -> None:
-        self.evaluations, self.jacobians, self.cut_steps, self.explicit_steps = (int(count) for count in memory)
+        vars(self).update(zip(vars(self), map(int, memory), strict=True))
 
 
 @contextlib.contextmanager

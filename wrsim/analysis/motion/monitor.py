@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.motion.derailment import WatchedWheel, overlap, watched, wheels_of
 from wrsim.analysis.motion.messages import Derailment, Event, EventKind, end_words, stop_words
+from wrsim.analysis.motion.phase_error import PhaseError
 from wrsim.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.contact.status import bits_of
 from wrsim.jit.arena import record
@@ -54,6 +55,7 @@ their limit long before, or where slip control gives less than this part of the 
 SLIP_DISTANCE = 1.0  # ... and reported where that lasts for longer than this [m]
 SAME = 1.0  # events of one kind and place of the vehicle that follow each other within this distance are one [m]
 MISSED = 0.05  # part of the mean wheel load beyond which a force that samples or steps miss is reported
+PEAK_ERROR = 0.01  # error of a peak of force that a chosen step leaves, as a part of it or of the mean wheel load
 
 PAUSE = 0.5
 """Least time between two looks for motions that grow [s]; what grows by less than e until the next one is left to it.
@@ -89,8 +91,9 @@ FINER_STEPS = (1e-3, 5e-4, 2.5e-4, 1e-4, 5e-5)
 class Monitor:
     """Called at regular intervals; returns the reason to stop, or None. ``events`` gives what it has noted."""
 
-    def __init__(self, law: VehicleOnTrack, speed: float, work: Work | None = None) -> None:
-        """speed [m/s]: how far the vehicle goes between two looks; work: what the integration takes."""
+    def __init__(self, law: VehicleOnTrack, speed: float, work: Work | None = None, step: float = 0.0) -> None:
+        """speed [m/s]: how far the vehicle goes between two looks; work: what the integration takes; step [s]: of the
+        integration, where lateral forces may ask for a shorter one."""
         self.law, self.work = law, work or Work()
         self.cut_steps, self.cut_looks = 0, 0
         self.interval = min(INTERVAL, STRETCH / speed)
@@ -107,6 +110,7 @@ class Monitor:
         """Rows (kind, which wheel or element, `WatchedWheel.end_of_profile` or -1, time, distance, last of both, time
         and way without contact)."""
         self.mean_load = 0.5 * law.vehicle.weight / len(law.vehicle.wheelsets)
+        self.phase_error = PhaseError(len(self.wheels), step, 0.5 * PEAK_ERROR * self.mean_load)
         self.looked = np.full((2, len(self.wheels)), np.nan)
         """Vertical forces at the last two looks [N]."""
         self.last = np.full(2, np.nan)
@@ -117,12 +121,14 @@ class Monitor:
 
     @property
     def longest_step(self) -> float:
-        """The longest step that resolves what grows [s], infinite where nothing does."""
-        return float(self._growth.longest)
+        """The longest step that resolves what grows and what swings across [s], infinite where nothing does."""
+        return min(float(self._growth.longest), self.phase_error.longest_step)
 
     def step(self, t: float, sampled: bool) -> None:
         """After every step, at the law's last evaluation; sampled: whether its state is stored."""
         kernel.watch_step(t, self.law.distance, sampled, self.watched, *self._wheels)
+        if self.phase_error.step:
+            self.phase_error.add(t, np.array([wheel.lateral for wheel in self.wheels]))
         growth = self._growth
         if growth.finds:
             force = self.watched["last"][int(growth.wheel)]
@@ -290,7 +296,7 @@ class Monitor:
                 growth = self._growth
                 cycle = float(growth.cycles / growth.cycling) if growth.cycles >= CYCLES else 0.0
                 swing = float(growth.frequency), cycle
-                events[-1] = replace(events[-1], step=self.longest_step, swing=swing)
+                events[-1] = replace(events[-1], step=float(growth.longest), swing=swing)
         mean_load = self.mean_load
         if self.wheels and self._growth.finds < 2.0:
             worst = int(np.argmax(self.watched["beyond"]))
@@ -319,13 +325,14 @@ class Monitor:
     def get_state(self) -> Array:
         """See ``simulation.recorder.HasState``."""
         arrays = self.watched.view(float), self.last_contact.ravel(), self.looked.ravel(), self.last
-        growth = self.growing.view(float)
-        return np.concatenate([[self.cut_steps], *arrays, growth, self.notes.ravel()])
+        more = self.growing.view(float), *(array.ravel() for array in self.phase_error.arrays)
+        return np.concatenate([[self.cut_steps], *arrays, *more, self.notes.ravel()])
 
     def set_state(self, memory: Array) -> None:
         """Put back what ``get_state`` gave."""
         self.cut_steps, place, watched = int(memory[0]), 1, self.watched.view(float)
-        for array in (watched, self.last_contact, self.looked, self.last, self.growing.view(float)):
+        more = self.growing.view(float), *self.phase_error.arrays
+        for array in (watched, self.last_contact, self.looked, self.last, *more):
             array[...] = memory[place : place + array.size].reshape(array.shape)
             place += array.size
         self.notes = memory[place:].reshape(-1, 9).copy()

@@ -10,7 +10,7 @@ import numpy as np
 
 from wrsim.analysis.contacts import contact_at, force_law
 from wrsim.analysis.motion.messages import NoSteadyMotion, start_words
-from wrsim.analysis.motion.monitor import STRIKE, Monitor
+from wrsim.analysis.motion.monitor import PEAK_ERROR, STRIKE, Monitor
 from wrsim.analysis.motion.record import RunRecord
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.samples import Samples, worked_through
@@ -59,10 +59,10 @@ STEPS_OF_A_SECTION = 3
 """Least number of implicit steps between two neighbouring sections of a rail that changes along the track."""
 STEPS_OF_A_FLAT = 30
 """Least number of implicit steps over the length of a flat, so that they follow its shape."""
-PEAK_ERROR, BLOW = 0.01, 10.0
-"""Error of the peak of a flat's blow that the step allows, and the blow over the load at rest: pi (w h)^2 / 12, see
-``STRIKE``. The fastest mode w of the vehicle on its rails is that of a rail's mass under its wheel; Hertz's stiffness,
-and so w^2, grows with the cube root of the load."""
+BLOW = 10.0
+"""Blow of a flat over the load at rest, of which the step allows ``PEAK_ERROR``: pi (w h)^2 / 12, see ``STRIKE``. The
+fastest mode w of the vehicle on its rails is that of a rail's mass under its wheel; Hertz's stiffness, and so w^2,
+grows with the cube root of the load."""
 SHRUNK = 10.0  # by how much shorter than usual a chosen step of RK44 is reported
 BENCH_STEP, BENCH_ITERATIONS, BENCH_LONGEST = 1e-3, 2, 5e-3  # of vehicles that others move on step by step [s]
 LEAST_BUDGET = 2.0
@@ -118,7 +118,9 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
             f"Jacobians, {evaluations * wheels} contacts of a wheel"
         )
 
-    monitor, plan = Monitor(law, setup.plan.speeds[1], system.work), setup.plan
+    plan = setup.plan
+    refined = plan.step is None and plan.integrator == "generalised-alpha"
+    monitor = Monitor(law, plan.speeds[1], system.work, step if refined else 0.0)
     folder = None if record is None else record.path.parent
     with closing(
         Recorder(system.size) if record is None else record.recorder(plan.integrator, step, system.size)

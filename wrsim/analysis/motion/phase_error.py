@@ -1,0 +1,54 @@
+"""Error that a time step leaves in vibrations of the lateral forces, and the step that keeps it small.
+
+A trapezoidal rule solves the equations of a mode as if a sixth of the second difference of the force over three steps
+disturbed them. The bank holds the response of one mode per frequency to this: (int-phase). A vibration that lasts adds
+up, noise and single impacts do not.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.simulation.step_size import IMPLICIT_GRID, IMPLICIT_STEP, LONGEST, STEPS_OF_A_PERIOD
+
+DAMPING = 0.02
+"""Damping ratio of the modes: of wheelsets between tread and flange it is -0.01 to 0.05, on the tread 0.06 and more."""
+
+RATES = 2.0 * np.pi * np.geomspace(1.0 / LONGEST, 1.0 / IMPLICIT_STEP, 24)[:, None] / STEPS_OF_A_PERIOD * (1j - DAMPING)
+"""Eigenvalues of the modes [1/s]: 20 to 50 Hz, in steps of twice the damping ratio."""
+
+REST = 0.2
+"""Part of the tolerance to which refined steps reduce the error: a mode without damping goes on for longer."""
+
+
+class PhaseError:
+    """Error of the lateral forces of wheels in steps of one length; ``arrays`` are its state."""
+
+    def __init__(self, wheels: int, step: float, tolerance: float) -> None:
+        """step [s]: 0 where steps are given, and no others are wanted; tolerance [N]."""
+        self.step, self.tolerance = step, tolerance
+        self.errors = np.zeros((RATES.size, wheels), complex)
+        self.arrays = self.errors.view(float), np.zeros((2, wheels)), np.array([np.nan, np.nan, 0.0])
+        """Errors [N] of the modes, force [N] and its rate [N/s] at the last step, time and length of that [s], and 1
+        while steps are to be refined."""
+
+    def add(self, t: float, forces: NDArray[np.float64]) -> None:
+        """Take in the forces (wheels,) [N] at the end of a step, which may be a part of one of length ``step``."""
+        _, last, clock = self.arrays
+        length = t - clock[0]
+        rates = (forces - last[0]) / length
+        if clock[1] > 0.0:
+            bend = 2.0 * self.step**2 * (rates - last[1]) / (length + clock[1])
+            self.errors[:] = np.exp(RATES * length) * self.errors + length / 6.0 * RATES.imag * bend
+        last[:], clock[:2] = (forces, rates), (t, length)
+        clock[2] = self.error > (REST if clock[2] else 1.0) * self.tolerance
+
+    @property
+    def error(self) -> float:
+        """Largest error of a mode [N]."""
+        return float(np.abs(self.errors).max(initial=0.0))
+
+    @property
+    def longest_step(self) -> float:
+        """The longest step for what follows [s]; infinite where ``step`` does."""
+        refined = bool(self.arrays[-1][2])
+        return max(self.step * (REST * self.tolerance / self.error) ** 0.5, IMPLICIT_GRID) if refined else np.inf
