@@ -353,7 +353,7 @@ def implicit_step(law: VehicleOnTrack, q: Array, q_t: Array) -> list[float]:
     size, count = law.size, len(law.bodies)
     newton = ImplicitStep(q.copy(), q_t.copy(), np.linspace(-1.0, 1.0, size), count, law.rails, 1e-3, 1e3, 1e4)
     derivative = force_derivative(law, q, q_t, count, 0.0, 1.0, 0.5, central=False)
-    forces, monitor = np.zeros(size), Monitor(law, law.speed)
+    forces, monitor = np.zeros(size), Monitor(law, law.speed, step=1e-3)
     newton.begin_iteration(0)
     newton.update(np.ones(size))
     newton.set_jacobian(derivative, 1.0)
@@ -366,9 +366,12 @@ def implicit_step(law: VehicleOnTrack, q: Array, q_t: Array) -> list[float]:
     for _ in range(5):  # so many as are combined
         newton.end_step()
     monitor.step(0.0, True)
+    for k in (1, 2, 3):  # a second difference
+        monitor.phase_error.add(1e-3 * k, k * k * np.arange(2.0 * len(law.wheels)))
     ended = monitor.look(0.0, q, q_t)
     near = is_near(np.array([q, q_t]), newton.q, newton.q_t, 6 * count, 1e-3)
-    return [*newton.q, *forces, *derivative.ravel(), *newton.rows.ravel(), float(near), float(ended is None)]
+    errors = monitor.phase_error.arrays[0].ravel()
+    return [*newton.q, *forces, *derivative.ravel(), *newton.rows.ravel(), *errors, float(near), float(ended is None)]
 
 
 def cases(full: bool = False) -> dict[str, list[float]]:

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.simulation.step_size import IMPLICIT_GRID, IMPLICIT_STEP, LONGEST, STEPS_OF_A_PERIOD
+from wrsim.vehicle.dynamics import watch
 
 DAMPING = 0.02
 """Damping ratio of the modes: of wheelsets between tread and flange it is -0.01 to 0.05, on the tread 0.06 and more."""
 
-RATES = 2.0 * np.pi * np.geomspace(1.0 / LONGEST, 1.0 / IMPLICIT_STEP, 24)[:, None] / STEPS_OF_A_PERIOD * (1j - DAMPING)
-"""Eigenvalues of the modes [1/s]: 20 to 50 Hz, in steps of twice the damping ratio."""
+FREQUENCIES = 2.0 * np.pi * np.geomspace(1.0 / LONGEST, 1.0 / IMPLICIT_STEP, 24) / STEPS_OF_A_PERIOD
+"""Of the modes [rad/s]: 20 to 50 Hz, in steps of twice the damping ratio."""
 
 REST = 0.2
 """Part of the tolerance to which refined steps reduce the error: a mode without damping goes on for longer."""
@@ -26,26 +27,22 @@ class PhaseError:
     def __init__(self, wheels: int, step: float, tolerance: float) -> None:
         """step [s]: 0 where steps are given, and no others are wanted; tolerance [N]."""
         self.step, self.tolerance = step, tolerance
-        self.errors = np.zeros((RATES.size, wheels), complex)
-        self.arrays = self.errors.view(float), np.zeros((2, wheels)), np.array([np.nan, np.nan, 0.0])
-        """Errors [N] of the modes, force [N] and its rate [N/s] at the last step, time and length of that [s], and 1
-        while steps are to be refined."""
+        self._rates = np.stack([-DAMPING * FREQUENCIES, FREQUENCIES], axis=1)
+        clock = np.array([np.nan, np.nan, 0.0, 0.0])
+        self.arrays = np.zeros((len(FREQUENCIES), wheels, 2)), np.zeros((2, wheels)), clock
+        """Errors of the modes (modes, wheels, 2) [N]; forces [N] and their rates [N/s] at the last step; its time and
+        length [s], 1 while steps are to be refined, and the largest error."""
 
     def add(self, t: float, forces: NDArray[np.float64]) -> None:
         """Take in the forces (wheels,) [N] at the end of a step, which may be a part of one of length ``step``."""
-        _, last, clock = self.arrays
-        length = t - clock[0]
-        rates = (forces - last[0]) / length
-        if clock[1] > 0.0:
-            bend = 2.0 * self.step**2 * (rates - last[1]) / (length + clock[1])
-            self.errors[:] = np.exp(RATES * length) * self.errors + length / 6.0 * RATES.imag * bend
-        last[:], clock[:2] = (forces, rates), (t, length)
-        clock[2] = self.error > (REST if clock[2] else 1.0) * self.tolerance
+        clock = self.arrays[-1]
+        clock[3] = watch.add_phase_error(t, self.step, self._rates, forces, *self.arrays)
+        clock[2] = clock[3] > (REST if clock[2] else 1.0) * self.tolerance
 
     @property
     def error(self) -> float:
         """Largest error of a mode [N]."""
-        return float(np.abs(self.errors).max(initial=0.0))
+        return float(self.arrays[-1][3])
 
     @property
     def longest_step(self) -> float:

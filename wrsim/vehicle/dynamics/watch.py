@@ -4,6 +4,8 @@ whether every wheel runs on its rail.
 Arrays of the wheels in an arena as in ``dynamics.wheel_forces``; one record WATCH a wheel.
 """
 
+from math import cos, exp, sin, sqrt
+
 from wrsim.contact.arrays import Arrays
 from wrsim.contact.records import LOBE
 from wrsim.jit.arena import Array, Ints, Records, record, records, vector
@@ -95,3 +97,28 @@ def all_on_rails(watched: Records, buffer: Array, index: Ints) -> bool:
         if not pressed or climbed or pose[2] - watch.level < watch.drop:
             return False
     return True
+
+
+@kernel
+def add_phase_error(
+    t: float, step: float, rates: Array, forces: Array, errors: Array, last: Array, clock: Array
+) -> float:
+    """Take lateral forces (wheels,) [N] at the end of a step into the errors (modes, wheels, 2) [N] of modes with these
+    eigenvalues (modes, 2) [1/s] in steps of one length [s], (int-phase). last (2, wheels): forces and their rates at
+    the last step; clock: time and length of that, not-a-number before the first one. Returns the largest error."""
+    length, before = t - clock[0], clock[1]
+    largest = 0.0
+    for m in range(rates.shape[0] if before > 0.0 else 0):
+        size, angle = exp(rates[m, 0] * length), rates[m, 1] * length
+        c, s = size * cos(angle), size * sin(angle)
+        share = length / 6.0 * rates[m, 1] * 2.0 * step * step / (length + before)
+        for i in range(forces.shape[0]):
+            x, y = errors[m, i, 0], errors[m, i, 1]
+            x, y = c * x - s * y, s * x + c * y
+            x += share * ((forces[i] - last[0, i]) / length - last[1, i])
+            errors[m, i, 0], errors[m, i, 1] = x, y
+            largest = max(largest, x * x + y * y)
+    for i in range(forces.shape[0]):
+        last[0, i], last[1, i] = forces[i], (forces[i] - last[0, i]) / length
+    clock[0], clock[1] = t, length
+    return sqrt(largest)
