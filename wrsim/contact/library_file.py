@@ -23,10 +23,10 @@ HEAD = "<8sq16sqqq"
 def library_bytes(inputs: Arrays, description: str) -> bytes:
     """The file of the workspace that a model computes in."""
     packed = pack(inputs)
-    words = description.encode()
+    description_bytes = description.encode()
     digest = digest_of_sources().encode()
-    head = struct.pack(HEAD, MAGIC, VERSION, digest, len(inputs), packed.buffer.size, len(words))
-    content = head + words + packed.index.astype("<i8").tobytes() + packed.buffer.astype("<f8").tobytes()
+    head = struct.pack(HEAD, MAGIC, VERSION, digest, len(inputs), packed.buffer.size, len(description_bytes))
+    content = head + description_bytes + packed.index.astype("<i8").tobytes() + packed.buffer.astype("<f8").tobytes()
     return content + struct.pack("<Q", zlib.crc32(content))
 
 

@@ -293,8 +293,8 @@ class Contact:
 
     def __repr__(self) -> str:
         count = len(self.patches)
-        words = f"{count} patch{'es' * (count != 1)}" if count else f"none, {1e3 * self.closest:.4g} mm apart"
-        return f"Contact({words}, normal force {self.normal_force / 1e3:.4g} kN)"
+        patches = f"{count} patch{'es' * (count != 1)}" if count else f"none, {1e3 * self.closest:.4g} mm apart"
+        return f"Contact({patches}, normal force {self.normal_force / 1e3:.4g} kN)"
 
     @classmethod
     def copy_from(cls, a: KernelArrays, status: int) -> "Contact":

@@ -89,10 +89,10 @@ class Channel:
     @property
     def label(self) -> str:
         """Text for an axis: long name, symbol and unit for readers."""
-        words = self.long_name[0].upper() + self.long_name[1:]
+        text = self.long_name[0].upper() + self.long_name[1:]
         if self.symbol:
-            words += f" ${self.symbol}$"
-        return words if self.shown is PLAIN else f"{words} [{self.shown.symbol}]"
+            text += f" ${self.symbol}$"
+        return text if self.shown is PLAIN else f"{text} [{self.shown.symbol}]"
 
     @property
     def short_label(self) -> str:

@@ -50,10 +50,10 @@ def climb_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
         at = dataset.isel(pose=i)
         values = (at[name].item() * CHANNELS[name].shown.factor for name in SHOWN)
         rows.append((*values, "climbs" if at["climbed"].item() else "is held"))
-    heads = (Column.of(CHANNELS[name], words, form) for name, (words, form) in SHOWN.items())
-    words = (
+    heads = (Column.of(CHANNELS[name], label, form) for name, (label, form) in SHOWN.items())
+    label = (
         f"flange of {summary['flange_angle_deg']:.1f}° and {summary['flange_length_mm']:.1f} mm, "
         f"Nadal's limit {summary['nadal_limit']:.3f}"
     )
-    notes = (words, *(f"{name}: {message}" for name, message in summary["without_result"].items()))
+    notes = (label, *(f"{name}: {message}" for name, message in summary["without_result"].items()))
     return [Table(str(dataset.attrs["title"]), (*heads, Column("wheel")), rows, notes)]

@@ -84,8 +84,8 @@ def conicity_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]
     }  # fmt: skip
     rows = [tuple(curve[key] for key in keys) for curve in facts["radial_steering"]]
     smallest, angle = facts["smallest_radial_curve_m"], formatted(facts["flange_from_deg"], "g")
-    words = "nothing steers" if smallest is None else f"up to 1 from R {quantity(smallest, 'm', '.0f')}"
-    note = f"q_E {words}; available: before the outer wheel's contact angle is {angle}°"
+    steering = "nothing steers" if smallest is None else f"up to 1 from R {quantity(smallest, 'm', '.0f')}"
+    note = f"q_E {steering}; available: before the outer wheel's contact angle is {angle}°"
     return [*tables, Table("radial steering index [mem]", tuple(keys.values()), rows, (note,))]
 
 

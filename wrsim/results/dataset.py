@@ -222,8 +222,8 @@ def faults_of_attributes(attributes: Mapping[str, Any], texts: Sequence[str]) ->
     for name, value in attributes.items():
         whole, number = name in COUNTS, name.endswith(("_m", "_s", "_rad", "_Hz")) and name not in LISTS
         if not isinstance(value, int if whole else int | float if number else int | float | str):
-            words = "a whole number" if whole else "a number" if number else "a number or a text"
-            yield f"its {name!s:.40} is {value!r:.40}, must be {words}"
+            requirement = "a whole number" if whole else "a number" if number else "a number or a text"
+            yield f"its {name!s:.40} is {value!r:.40}, must be {requirement}"
 
 
 def faults_of_variable(dataset: xr.Dataset, name: str, dims: Sequence[Hashable], kind: Kind) -> Iterator[str]:
@@ -232,11 +232,11 @@ def faults_of_variable(dataset: xr.Dataset, name: str, dims: Sequence[Hashable],
         yield f"has no {name}"
         return
     variable = dataset.variables[name]
-    letters, words = _TYPES[kind]
+    letters, requirement = _TYPES[kind]
     if variable.dims != tuple(dims):
         there, wanted = (", ".join(map(str, names)) for names in (variable.dims, dims))
         yield f"its {name} is laid out along ({there}), must be along ({wanted})"
     if variable.dtype.kind not in letters or (kind != "text" and variable.dtype.itemsize != 8):
-        yield f"its {name} holds {variable.dtype}, must be {words}"
+        yield f"its {name} holds {variable.dtype}, must be {requirement}"
     if not isinstance(variable.attrs.get("units", ""), str):
         yield f"its {name} has units that are no text"

@@ -116,12 +116,12 @@ def beyond(diffs: Sequence[Deviation], tolerance: float) -> list[Deviation]:
 def one_sided(diffs: Sequence[Deviation], letters: Sequence[str] = "AB") -> tuple[list[Deviation], list[str]]:
     """The differences of what both results have, and in a sentence each what only one of them has."""
     both = [d for d in diffs if math.isfinite(d.absolute)]
-    words = []
+    texts = []
     for letter, other in zip(letters, ("second", "first"), strict=True):
         alone = [d for d in diffs if not math.isfinite(d.absolute) and getattr(d, other) is None]
         places = join_names(list(dict.fromkeys(d.place or d.quantity for d in alone)), MOST_PLACES)
-        words += [f"only in {letter}, {len(alone)} numbers: {places}"] if alone else []
-    return both, words
+        texts += [f"only in {letter}, {len(alone)} numbers: {places}"] if alone else []
+    return both, texts
 
 
 def other_ends(one: Result, other: Result) -> list[str]:

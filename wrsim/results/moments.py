@@ -148,12 +148,12 @@ def resolved_table(old: xr.Dataset, new: xr.Dataset, notes: tuple[str, ...] = ()
     rows: list[list[Cell]] = []
     for i, place in enumerate(new[sample].values):
         j = int(np.flatnonzero(old[sample].values == place)[0])
-        words = quantity(float(new["snapshot_distance"].values[i]), "m", ".1f") if sample == "time" else str(place)
+        label = quantity(float(new["snapshot_distance"].values[i]), "m", ".1f") if sample == "time" else str(place)
         for w, wheel in enumerate(new["wheel"].values):
             for k in range(new.sizes["patch"]):
                 if _shown(old, "N", j, w, k) is _shown(new, "N", i, w, k) is None:
                     continue
-                head = (words if w == k == 0 else "", str(wheel) if k == 0 else "", PATCHES[k])
+                head = (label if w == k == 0 else "", str(wheel) if k == 0 else "", PATCHES[k])
                 rows.append([*head, "was", *(_shown(old, name, j, w, k) for name in names)])
                 rows.append(["", "", "", "now", *(_shown(new, name, i, w, k) for name in names)])
     heads = (Column("at"), Column("wheel"), Column("patch"), Column(""))

@@ -89,7 +89,7 @@ def read_netcdf(path: Path, what: str) -> xr.Dataset:
             begin, checked, whole = _looked_through(stream)
     except FileNotFoundError:
         kinds = {STUDY: "study", EVOLUTION: "profile evolution"}
-        kind = next((words for name, words in kinds.items() if (path.parent / name).is_file()), "")
+        kind = next((kind_of_file for name, kind_of_file in kinds.items() if (path.parent / name).is_file()), "")
         other = f"; the folder is that of a {kind} (wrsim report)" if kind else ""
         raise InputError(f"{path}: there is no such {what} file{other}") from None
     except OSError as problem:

@@ -38,13 +38,13 @@ def sensitivity_tables(table: Mapping[str, Any]) -> list[Table]:
     """A table an output; table: see `sensitivity_in`."""
     if not table:
         return []
-    words = METHODS[table["method"]]
+    indices = METHODS[table["method"]]
     heads = [Column("key")]
-    for kind in words.values():
+    for kind in indices.values():
         heads += [Column(kind, "", ".3f"), Column("from", "", ".3f"), Column("to", "", ".3f")]
     made = []
     for output, keys in by_output(table).items():
-        rows = [[key, *(row[kind][end] for kind in words for end in ("value", "low", "high"))] for key, row in keys]
+        rows = [[key, *(row[kind][end] for kind in indices for end in ("value", "low", "high"))] for key, row in keys]
         note = table["notes"].get(output)
         made.append(Table(f"{table['method']}: {output}", tuple(heads), rows, (note,) if note else ()))
     without = [f"{output}: {note}" for output, note in table["notes"].items() if output not in by_output(table)]

@@ -15,9 +15,9 @@ ORDERS = ("", "rate of change of the ", "second derivative of the ")
 def spectra_in_words(data: xr.Dataset) -> tuple[str, Shown]:
     """What the spectra are of, and its unit for readers."""
     channel, order = CHANNELS[data.attrs["channel"]], int(data.attrs["derivative"])
-    words, unit = f"{ORDERS[order]}{channel.long_name}", str(data.attrs["unit"])
+    title, unit = f"{ORDERS[order]}{channel.long_name}", str(data.attrs["unit"])
     other = SHOWN.get(unit) or Shown(unit, unit.replace("/", "_").replace(" ", ""), 1.0)
-    return words[:1].upper() + words[1:], other if order else channel.shown
+    return title[:1].upper() + title[1:], other if order else channel.shown
 
 
 def parts_of_channel(data: xr.Dataset) -> dict[str, dict[str, int]]:
@@ -33,7 +33,7 @@ def parts_of_channel(data: xr.Dataset) -> dict[str, dict[str, int]]:
 def spectra_table(data: xr.Dataset, run: str = "") -> Table:
     """A row for each wheel, point, ...: rms, the strongest line and third-octave. run: its name, where there are
     several."""
-    words, shown = spectra_in_words(data)
+    title, shown = spectra_in_words(data)
     rows: list[tuple[object, ...]] = []
     for name, at in parts_of_channel(data).items():
         one = data.isel(at)
@@ -49,7 +49,7 @@ def spectra_table(data: xr.Dataset, run: str = "") -> Table:
     stretch = f"{quantity(a['from_m'], 'm', '.1f')} to {quantity(a['to_m'], 'm', '.1f')}"
     lines = f"{a['segments']} segments, lines every {quantity(float(data['frequency'][1]), 'Hz', '.3g')}"
     note = f"{stretch}; {quantity(a['rate_Hz'], 'samples a second')}; {lines}"
-    return Table(f"{run}: {words}" if run else words, columns, rows, (note,))
+    return Table(f"{run}: {title}" if run else title, columns, rows, (note,))
 
 
 def spectra_files(data: xr.Dataset) -> dict[str, bytes]:

@@ -16,14 +16,14 @@ MODES = ("pose_speed", "mode_branch", "mode_frequency", "mode_damping", "mode_gr
 def summarise_stability(dataset: xr.Dataset) -> dict[str, Any]:
     """Critical speeds with their frequency and mode; ``None`` where there are none, and a note with the reason."""
     about = dataset.attrs
-    words = ("critical_mode", "critical_note", "nonlinear_note", "linearised")
+    texts = ("critical_mode", "critical_note", "nonlinear_note", "linearised")
     return {
         "speeds": dataset.sizes["pose"],
         "linear_critical_speed_kmh": finite(about.get("critical_speed_m_s"), 3.6),
         "critical_frequency_Hz": finite(about.get("critical_frequency_Hz")),
         "held_speeds": dataset.sizes.get("cycle", 0),
         "nonlinear_critical_speed_kmh": finite(about.get("nonlinear_critical_speed_m_s"), 3.6),
-    } | {name: str(about[name]) for name in words if name in about}
+    } | {name: str(about[name]) for name in texts if name in about}
 
 
 def csv_of_stability(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
@@ -39,9 +39,9 @@ def stability_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table
     lines = []
     for kind, note in (("linear", "critical_note"), ("nonlinear", "nonlinear_note")):
         if (speed := summary[f"{kind}_critical_speed_kmh"]) is not None:
-            words = f"{kind} critical speed {quantity(speed, 'km/h', '.2f')} ({quantity(speed / 3.6, 'm/s', '.2f')})"
+            text = f"{kind} critical speed {quantity(speed, 'km/h', '.2f')} ({quantity(speed / 3.6, 'm/s', '.2f')})"
             mode = f", {quantity(summary['critical_frequency_Hz'], 'Hz', '.3f')}: {summary.get('critical_mode', '')}"
-            lines.append(words + (mode if kind == "linear" else ""))
+            lines.append(text + (mode if kind == "linear" else ""))
         lines += [summary[note]] if note in summary else []
     lines += [summary["linearised"]] if "linearised" in summary else []
     tables = [Table(str(dataset.attrs["title"]), notes=tuple(lines))]

@@ -109,9 +109,9 @@ def percent(first: float | None, second: float | None, zero: float = 0.0) -> flo
     return finite(100.0 * (second - first) / abs(first))
 
 
-def with_unit(words: str, unit: str) -> str:
+def with_unit(label: str, unit: str) -> str:
     """Words with the unit in brackets; of a plain number the words alone."""
-    return f"{words} [{unit}]" if unit not in ("", "1") else words
+    return f"{label} [{unit}]" if unit not in ("", "1") else label
 
 
 def formatted(value: Cell, form: str = ".4g") -> str:
@@ -170,8 +170,8 @@ def on_terminal(tables: Iterable[Table], stream: IO[str] | None = None) -> None:
             console.print(plain(in_text(table.title)), style="bold", soft_wrap=True)
         grid = Grid(show_header=any(heads), box=None, pad_edge=False)
         for j, (head, letters) in enumerate(zip(heads, whole, strict=True)):
-            words = all(isinstance(row[j], str) for row in table.rows if len(row) > 1)
-            grid.add_column(fill(head, max(letters, 1)), justify="left" if words else "right", no_wrap=True)
+            is_text = all(isinstance(row[j], str) for row in table.rows if len(row) > 1)
+            grid.add_column(fill(head, max(letters, 1)), justify="left" if is_text else "right", no_wrap=True)
         for row in rows:
             grid.add_row(*row, style="bold" if len(row) == 1 else None)
         if heads:

@@ -149,8 +149,8 @@ def indexed_frame(dataset: xr.Dataset) -> DataFrame:
 def _flat(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, NDArray[Any]]]:
     """Columns of a channel with their names: one for each combination of the labels of its further dimensions."""
     for place, values in _places(dataset, name):
-        words = (name, *map(str, place), converted(CHANNELS[name].shown).suffix)
-        yield "_".join(word.replace(" ", "_") for word in words if word), values
+        parts = (name, *map(str, place), converted(CHANNELS[name].shown).suffix)
+        yield "_".join(word.replace(" ", "_") for word in parts if word), values
 
 
 def _places(dataset: xr.Dataset, name: str) -> Iterator[tuple[tuple[Any, ...], NDArray[Any]]]:

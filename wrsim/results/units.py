@@ -103,15 +103,15 @@ _WITH_UNIT = re.compile(
 _RADIUS = re.compile(rf"\bR ({_NUMBER})(?! ?(?:m|ft|\d)\b)(?![\w.])")
 
 
-def in_text(words: str) -> str:
+def in_text(text: str) -> str:
     """Words with their metric quantities, ``70 to 170 m``, in the units in use, to as many digits, three at least."""
     if CHOICE.get().system == "metric":
-        return words
-    words = _RADIUS.sub(lambda match: f"R {numbers_in(match[1], US['m'])} ft", words)
-    return _WITH_UNIT.sub(lambda match: f"{numbers_in(match[1], US[match[3]])}{match[2]}{US[match[3]].symbol}", words)
+        return text
+    text = _RADIUS.sub(lambda match: f"R {numbers_in(match[1], US['m'])} ft", text)
+    return _WITH_UNIT.sub(lambda match: f"{numbers_in(match[1], US[match[3]])}{match[2]}{US[match[3]].symbol}", text)
 
 
-def numbers_in(words: str, unit: Conversion) -> str:
+def numbers_in(text: str, unit: Conversion) -> str:
     """Words with all of their numbers in another unit."""
 
     def other(match: re.Match[str]) -> str:
@@ -122,7 +122,7 @@ def numbers_in(words: str, unit: Conversion) -> str:
         places = max(0, most - 1 - (int(log10(value)) if value >= 1.0 else 0))
         return f"{sign}{value:.{places}f}" if value < 10.0**most else f"{sign}{value:.0f}"
 
-    return re.sub(r"(?<![\w.])([-−+±]?)(\d+(?:\.\d+)?)", other, words)
+    return re.sub(r"(?<![\w.])([-−+±]?)(\d+(?:\.\d+)?)", other, text)
 
 
 def finer(form: str, unit: Conversion) -> str:
@@ -132,11 +132,11 @@ def finer(form: str, unit: Conversion) -> str:
     return f".{int(digits[1]) + more}f" if digits else form
 
 
-def heading_in(words: str) -> tuple[str, Conversion | None]:
+def heading_in(heading: str) -> tuple[str, Conversion | None]:
     """A heading or label with the unit in use in its brackets, and the conversion to it."""
-    match = re.search(r"\[([^\]]+)\]", words)
+    match = re.search(r"\[([^\]]+)\]", heading)
     unit = conversion(match[1]) if match else None
-    return (words, None) if match is None or unit is None else (words.replace(match[0], f"[{unit.symbol}]"), unit)
+    return (heading, None) if match is None or unit is None else (heading.replace(match[0], f"[{unit.symbol}]"), unit)
 
 
 _TEXTS = re.compile(r"(<(script|style|pre|svg|textarea)\b.*?</\2>)|(?<=>)[^<]+", re.DOTALL)

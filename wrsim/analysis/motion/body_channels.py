@@ -158,7 +158,7 @@ def bent_channels(
         deflections |= {"bent_place": nodes, "bent_rail": np.stack([left, right], axis=1)}
     else:
         each = ((begin, int(np.argmax(part)), part) for begin, part in parts_of(channels["Q"]))
-        largest = ((part.flat[at], begin, *divmod(at, part[0].size)) for begin, at, part in each)
+        largest = ((part.flat[index], begin, *divmod(index, part[0].size)) for begin, index, part in each)
         _, begin, row, number = max(largest, key=itemgetter(0))
         place, q = np.asarray(channels["wheelset_distance"][begin + row])[number // 2], motion.q[begin + row]
     if deck is not None and rails is None:

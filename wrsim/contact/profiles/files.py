@@ -248,9 +248,9 @@ def _checked(path: Path, stated: Mapping[str, Any], given: Mapping[str, Any]) ->
     """How a file is read, of what is not None. Raises InputError for a word that is none."""
     options = {**given, **_given(stated)}
     allowed = {"unit": (*METRES,), "heights": HEIGHTS, "field_side": SIDES, "origin": ORIGINS}
-    for key, words in allowed.items():
-        if (word := options.get(key)) not in (None, *words):
-            raise InputError(f"{path}: {key} = '{word}'; allowed: {', '.join(words)}{suggest(str(word), words)}")
+    for key, terms in allowed.items():
+        if (word := options.get(key)) not in (None, *terms):
+            raise InputError(f"{path}: {key} = '{word}'; allowed: {', '.join(terms)}{suggest(str(word), terms)}")
     return options
 
 

@@ -200,8 +200,8 @@ def _placed_rail(points: ProfilePoints, scan: Scan, heights: Heights | None, fie
     usual = SIGNS[scan.convention]
     side = {1.0: "field", -1.0: "gauge"}
     if usual * sign < 0.0:
-        words = f"x counts to the {side[usual]} side in these files, and by {reason} it does not"
-        raise InputError(f'{points.file}: {words}: give field_side, "positive" or "negative"')
+        message = f"x counts to the {side[usual]} side in these files, and by {reason} it does not"
+        raise InputError(f'{points.file}: {message}: give field_side, "positive" or "negative"')
     if usual:
         note = f"x to the {side[usual]} side, as its format has it (field_side)"
     elif sign:

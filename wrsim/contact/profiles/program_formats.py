@@ -153,10 +153,10 @@ def parse_vampire(lines: list[str], file: str) -> Scan:
     scan = Scan(file, unit=METRES["mm"], field_side="positive", kind="wheel" if kind[0] == "W" else "rail")
     scan.source = lines[1].strip() if len(lines) > 1 else ""
     rows = [split_row(re.split(r'["!%]', line)[0].strip()) for line in lines]
-    words = {row[0]: row[1:] for row in rows[2:4] if len(row) > 1}
+    headers = {row[0]: row[1:] for row in rows[2:4] if len(row) > 1}
     origin = 0.0
     if scan.kind == "wheel":
-        datum, apart = words.get("TREADDATUM", ["none"]), words.get("FLANGEBACK", ["none"])
+        datum, apart = headers.get("TREADDATUM", ["none"]), headers.get("FLANGEBACK", ["none"])
         back = DATUMS.get(datum[0]) or finite_number(datum[-1], file, 3)
         scan.back, origin = 1e-3 * back, 0.5 * finite_number(apart[0], file, 4) + back
     sides = []

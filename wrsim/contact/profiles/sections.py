@@ -217,8 +217,8 @@ def head_arcs(name: str, radii: Sequence[float], half_widths: Sequence[float], s
             end = 0.5 * np.pi - float(np.arctan(side_slope))
         if end <= steepness:
             slope = f"it starts at a slope of {np.degrees(steepness):.4g} degrees"
-            words = f"the arc of radius {1e3 * radius:g} mm has no room: {slope}"
-            raise InputError(f"profile '{name}': {words}; its half width or the radius before it does not fit")
+            message = f"the arc of radius {1e3 * radius:g} mm has no room: {slope}"
+            raise InputError(f"profile '{name}': {message}; its half width or the radius before it does not fit")
         right.append(ProfileArc(centre[0], centre[1], radius, -steepness, -end))
         steepness = end
     return right
@@ -237,8 +237,8 @@ def rail_head(
     steepness = -right[-1].last
     u, w = np.array([right[-1].u, right[-1].w]) + radii[-1] * np.array([np.sin(steepness), np.cos(steepness)])
     if w <= -depth:
-        words = f"depth {1e3 * depth:g} mm ends before the straight sides begin"
-        raise InputError(f"profile '{name}': {words}; allowed: above {-1e3 * w:.5g} mm")
+        message = f"depth {1e3 * depth:g} mm ends before the straight sides begin"
+        raise InputError(f"profile '{name}': {message}; allowed: above {-1e3 * w:.5g} mm")
     low = u + side_slope * (w + depth)
     left = [ProfileArc(-s.u, s.w, s.radius, -s.last, -s.first) for s in reversed(right[1:])]
     crown = replace(right[0], first=-right[0].last)

@@ -100,8 +100,8 @@ def worn(new: Profile, removals: Sequence[AnyRemoval], name: str, source: str = 
         low, high = (new.u.min(), new.u.max()) if upright else (-bells.origin, new.length - bells.origin)
         if removal.edges[0] >= high or removal.edges[1] <= low:
             (begin, end), (low, high) = (1e3 * np.array(span) for span in (removal.edges, (low, high)))
-            words = f"material between {begin:.6g} and {end:.6g} mm {'in u' if upright else 'along the profile'}"
-            raise InputError(f"{words}: lies outside of the profile, which goes from {low:.6g} to {high:.6g} mm")
+            message = f"material between {begin:.6g} and {end:.6g} mm {'in u' if upright else 'along the profile'}"
+            raise InputError(f"{message}: lies outside of the profile, which goes from {low:.6g} to {high:.6g} mm")
     corners = bells.corners()
     nodes = _nodes(new, bells, corners)
     first, last, span = nodes[:-1], nodes[1:], np.diff(nodes)

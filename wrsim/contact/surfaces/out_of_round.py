@@ -142,9 +142,9 @@ class RadiusTable:
         whole = angle[-1] - angle[0] > TURN - 1e-9
         allowed = 1e-6 if whole else 2.0 * steps + 1e-6
         if joint > allowed:
-            words = f"the radius does not close: {1e3 * joint:.4g} mm between its last angle and its first one"
+            message = f"the radius does not close: {1e3 * joint:.4g} mm between its last angle and its first one"
             reason = "" if whole else ", twice its largest step"
-            raise InputError(f"{words}; allowed: {1e3 * allowed:.4g} mm{reason}")
+            raise InputError(f"{message}; allowed: {1e3 * allowed:.4g} mm{reason}")
 
     def _stretches(self) -> tuple[Array, Array, list[slice]]:
         """Angles and deviations of a turn and its joint, begun behind the widest gap, and stretches of usual steps."""
