@@ -92,7 +92,7 @@ def test_the_good_file_loads_and_friction_takes_the_spring_on_its_own_side(tmp_p
     assert fault(tmp_path) == ""
     assert fault(tmp_path, inserted("guide")) == ""
     elements = read_vehicle(tmp_path / "car.toml").elements
-    pressed = {e.name: e.slider.normal.of for e in elements if e.slider and e.slider.normal}
+    pressed = {e.name: e.slider.normal.element for e in elements if e.slider and e.slider.normal}
     assert pressed == {
         f"guide {to} {side}": f"primary {to} {side}" for to in ("front", "rear") for side in ("left", "right")
     }

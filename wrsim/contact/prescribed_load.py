@@ -5,8 +5,9 @@ approach, so the search is a secant of force^(2/3) over the height, within a bra
 the secant do not halve it. Without contact the wheel comes down by the distance between the profiles, which it cannot
 pass, and by the approach that a sphere of the wheel's radius needs.
 
-The strip model starts cold at the first height with contact and from there on from the last contact; where that does
-not lead to the load, the search begins anew with cold starts alone. No pose knows of another one.
+The strip model starts cold at the first height with contact and from there on from the last contact. What two grids
+share may have two solutions: there the contact returned is a cold one. Where this does not lead to the load, the search
+begins anew with cold starts alone. No pose knows of another one.
 """
 
 from math import inf
@@ -99,8 +100,15 @@ def begin_search(s: Record) -> None:
     """Begin, or begin anew, at the height ``s.start``."""
     s.height, s.first = s.start, s.start
     s.rate = s.last_height = s.last_excess = 0.0
+    s.asked = s.touched = 0
+    _open(s)
+
+
+@inlined
+def _open(s: Record) -> None:
+    """Forget the bracket."""
     s.low, s.high, s.width = -inf, inf, inf
-    s.asked = s.touched = s.bracketed = 0
+    s.bracketed = 0
 
 
 @kernel
@@ -201,6 +209,10 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
             memo.grids_before = 0
         state.start = FROM_LAST
         outcome = _search(buffer, contact_index, s)
+        if outcome == REACHED and memo.grids > 1:
+            state.start = COLD_START
+            _open(s)
+            outcome = _search(buffer, contact_index, s)
         if outcome != REACHED and s.residuals <= MOST_RESIDUALS:  # type: ignore[operator]
             begin_search(s)
             outcome = SEARCHING
