@@ -127,14 +127,14 @@ def test_in_a_full_curve_on_uneven_sleepers_forces_do_not_know_the_pivot() -> No
     dip = {"at_m": 102, "length_m": 2, "amplitude_mm": 3, "rail": "right"}
     uneven = [{"kind": "dip", **dip}, {"kind": "alignment", **dip}]
     values = {"track.structure": sleepers, "track.irregularities": uneven, "run.output_interval_ms": 1}
-    values |= {"run.start_distance_m": 100, "run.distance_m": 4, "output.patches_at_m": []}
+    values |= {"run.start_distance_m": 101, "run.distance_m": 2.5, "output.patches_at_m": []}
     forces = []
-    for pivot in ("centre line", "low rail", "high rail"):
+    for pivot in ("centre line", "high rail"):
         data = run(load(SCENARIOS / "curve_r300.toml").with_values(FAST | values | {"track.pivot": pivot})).dataset
         forces.append(np.stack((data["Y"], data["Q"])))
     assert np.ptp(forces[0], axis=1).max() > 1e4  # the dip is felt
     # a constant height is left: its rounding moves what contacts leave unsolved, so much of the weight
-    assert np.abs(np.array(forces[1:]) - forces[0]).max() < CONTACT_TOLERANCE * 109e3
+    assert np.abs(forces[1] - forces[0]).max() < CONTACT_TOLERANCE * 109e3
 
 
 def test_what_is_assumed_is_said_and_what_contradicts_is_refused() -> None:
