@@ -16,6 +16,7 @@ from support.commands import refusal
 
 from wrsim import InputError, WrsimError
 from wrsim.api.pages import write_live
+from wrsim.contact.batch import LOAD_TOLERANCE
 from wrsim.contact.library.build import contact_wasm
 from wrsim.contact.model import Contact
 from wrsim.contact.models import contact_model
@@ -94,18 +95,18 @@ def test_the_page_has_the_numbers_of_python_at_200_poses(page: Browser, made: tu
             numbers.mu = numbers.mu_gauge = states[i // 2]["mu"]
             contact = model.evaluate(*np.reshape(told["pose"], (4, 3)))
             assert told["status"] == contact.status
-            assert_same(told, contact)
+            assert_same(told, contact, SAME if i % 2 else LOAD_TOLERANCE)  # contacts at loads follow earlier ones
             if i % 2 == 0:
                 assert told["Fb"] == pytest.approx(states[i // 2]["load"], rel=1.01e-8)  # as solve_many
             touching += bool(len(contact.patches))
         assert touching == POSES
 
 
-def assert_same(told: dict[str, Any], contact: Contact) -> None:
-    """Forces, lobes and strips within SAME."""
+def assert_same(told: dict[str, Any], contact: Contact, same: float = SAME) -> None:
+    """Forces, lobes and strips within a relative tolerance."""
     force, moment = (float(np.linalg.norm(v)) for v in (contact.force, contact.moment))
-    assert [told[n] for n in ("Ft", "Fo", "Fb")] == pytest.approx(contact.force, abs=SAME * force)
-    assert [told[n] for n in ("Mt", "Mo", "Mb")] == pytest.approx(contact.moment, abs=SAME * moment)
+    assert [told[n] for n in ("Ft", "Fo", "Fb")] == pytest.approx(contact.force, abs=same * force)
+    assert [told[n] for n in ("Mt", "Mo", "Mb")] == pytest.approx(contact.moment, abs=same * moment)
     assert len(told["patches"]) == len(contact.patches)
     scales = CLOSE | dict.fromkeys(("N", "Fx", "Fy", "wear"), force)
     for lobe, patch, rows in zip(told["patches"], contact.patches, contact.strips, strict=True):
@@ -113,9 +114,9 @@ def assert_same(told: dict[str, Any], contact: Contact) -> None:
             assert lobe["N"] == patch["N"]
             continue
         for name in ("N", "Fx", "Fy", "p0", "area", "length", "width", "approach", "wear", *CLOSE):
-            assert lobe[name] == pytest.approx(float(patch[name]), rel=SAME, abs=SAME * scales.get(name, 0.0)), name
+            assert lobe[name] == pytest.approx(float(patch[name]), rel=same, abs=same * scales.get(name, 0.0)), name
         for name, scale in (("s", 1e-2), ("a", 1e-2), ("p", patch["p0"]), ("no", 1.0), ("N", force), ("Fy", force)):
-            assert [row[name] for row in lobe["rows"]] == pytest.approx(rows[name], abs=10 * SAME * scale), name
+            assert [row[name] for row in lobe["rows"]] == pytest.approx(rows[name], abs=10 * same * scale), name
 
 
 def test_sliders_of_creepage_move_the_wheel_as_they_say(page: Browser) -> None:
