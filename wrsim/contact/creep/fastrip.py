@@ -15,11 +15,11 @@ Behind the adhesion zone the tractions are followed as in FASTSIM, with one flex
 where they stick again (`march`).
 
 With much spin (|psi| -> 1) strip theory has no answer. The adhesion zone is faded out from |psi| = 0.85 on; for
-|psi| >= 1 the march starts at the leading edge from zero. An elastic layer takes of the zone its share in L1: on a bed
-of springs alone tractions are FASTSIM's. The slip zone then is longer than e: alpha is taken for the length that it
-has, so that what sticks still follows the rigid slip. |alpha| is below 1 then, and no creepage at all is no place where
-the direction of a traction at the bound changes by itself. Its tractions are reduced so that small creepages give
-Kalker's forces.
+|psi| >= 1 the march starts at the leading edge from zero. An elastic layer takes of the zone its share in L1, and of
+its tractions so much that small creepages give Kalker's forces: on a bed of springs alone tractions are FASTSIM's. The
+slip zone then is longer than e: alpha is taken for the length that it has, so that what sticks still follows the rigid
+slip. |alpha| is below 1 then, and no creepage at all is no place where the direction of a traction at the bound changes
+by itself.
 Not in the paper: the one flexibility and the sticking again, the fading, the layer, and that the longitudinal creepage
 by spin works through L1 like the rest of it.
 """
@@ -96,8 +96,9 @@ def _adhesion(x: float, y: float, psi: float, share: float) -> tuple[float, floa
             e = size2 / root
     # smooth, from 1 at FADING to 0 at |psi| = 1
     part = min(max((1.0 - abs(psi)) / (1.0 - FADING), 0.0), 1.0)
-    kept = share * part * part * (3.0 - 2.0 * part)
-    start = _linear_share(kept)
+    kept = part * part * (3.0 - 2.0 * part)
+    start = min(2.0 * kept, 1.0) * _linear_share(share)
+    kept *= share
     d = kept * (1.0 - e)
     ax, ay = x, y + psi * (1.0 - d)
     size = max(sqrt(ax * ax + ay * ay), 1.0 - d)
