@@ -105,7 +105,7 @@ def ends(text: str) -> str:
 
 def shortened(words: list[str]) -> list[str]:
     """The words of ``run FILE`` or ``compare`` with the short form of its scenario, of ``study`` with that of the
-    study, of ``plot`` with a place in it; searches run nothing."""
+    study; searches run nothing."""
     if words[0] in ("optimise", "calibrate"):
         return [*words, "--dry-run"]
     if words[0] == "fmu":  # a step is tried over the whole run, and zig makes the libraries of other systems first
@@ -117,8 +117,6 @@ def shortened(words: list[str]) -> list[str]:
         short = Path(words[1]).with_stem(f"{Path(words[1]).stem}_short")
         short.write_text(ends(Path(words[1]).read_text(encoding="utf-8")), encoding="utf-8")
         return ["study", str(short), *words[2:]]
-    if words[0] == "plot" and "--at" in words:
-        return [*words[: words.index("--at")], "--at", "1", *words[words.index("--at") + 2 :]]
     if words[0] not in ("run", "compare") or not Path(words[1]).is_file():
         return words
     scenario = load(words[1])
