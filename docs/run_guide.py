@@ -135,6 +135,9 @@ def shortened(words: list[str]) -> list[str]:
 
 def main(chosen: list[str]) -> int:
     """Execute the pages; returns the number of faults."""
+    if "--help" in chosen:
+        print(__doc__)
+        return 0
     names = [name for name in chosen if not name.startswith("--")]
     pages = [page for page in sorted(PAGES, key=_place) if not names or page.stem in names]
     if "--short" not in chosen:

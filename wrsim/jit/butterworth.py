@@ -1,6 +1,8 @@
 """Butterworth filters in sections of second order, run forward and backward: to the bit what ``scipy.signal`` computes,
 whose import takes half a second, as it brings scipy.stats."""
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
 
 from wrsim.jit.arena import Array
@@ -44,14 +46,42 @@ def passed(sections: Array, signal: Array, states: Array) -> tuple[Array, Array]
 
 
 def zero_phase(sections: Array, signal: Array, pad: int) -> Array:
-    """A signal (n, ...) forward and backward through sections, mirrored about its ends over ``pad`` < n samples. Both
-    passes start as if the first value had stood for ever."""
-    before, after = 2.0 * signal[:1] - signal[pad:0:-1], 2.0 * signal[-1:] - signal[-2 : -pad - 2 : -1]
-    result = np.concatenate([before, signal, after])
-    start = at_rest(sections).reshape(-1, 2, *(1,) * (signal.ndim - 1))
-    for _ in range(2):
-        result = passed(sections, result, start * result[0])[0][::-1]
-    return np.ascontiguousarray(result[pad : pad + len(signal)])
+    """A signal (n, ...) forward and backward through sections; see `zero_phase_parts`."""
+    parts = zero_phase_parts(sections, lambda first, last: signal[first:last], len(signal), pad, len(signal))
+    return np.ascontiguousarray(np.concatenate([*parts]))
+
+
+def zero_phase_parts(
+    sections: Array, read: Callable[[int, int], Array], count: int, pad: int, rows: int
+) -> Iterator[Array]:
+    """A signal of so many samples forward and backward through sections, ``rows`` samples at a time, to the bit as all
+    at once: the states of both passes go from part to part.
+
+    read: gives the samples (n, ...) from one to another. The signal is mirrored about its ends over ``pad`` < count
+    samples. Both passes start as if the first value had stood for ever.
+    """
+    edges = [*range(0, count, rows), count]
+    first, last, parts = read(0, pad + 1), read(count - pad - 1, count), len(edges) - 1
+    before, after = 2.0 * first[:1] - first[:0:-1], 2.0 * last[-1:] - last[-2::-1]
+    rest = at_rest(sections).reshape(-1, 2, *(1,) * (first.ndim - 1))
+
+    def forward(k: int) -> tuple[Array, Array]:
+        signal = read(edges[k], edges[k + 1])
+        signal = np.concatenate([*[before] * (k == 0), signal, *[after] * (k == parts - 1)])
+        return passed(sections, signal, ahead[k])
+
+    def backward(k: int) -> tuple[Array, Array]:
+        signal = result if k == parts - 1 else forward(k)[0]
+        return passed(sections, signal[::-1], behind[k + 1])
+
+    ahead = {0: rest * (2.0 * first[0] - first[-1])}
+    for k in range(parts):
+        result, ahead[k + 1] = forward(k)
+    behind = {parts: rest * result[-1]}
+    for k in range(parts - 1, 0, -1):
+        behind[k] = backward(k)[1]
+    for k in range(parts):
+        yield backward(k)[0][::-1][pad * (k == 0) :][: edges[k + 1] - edges[k]]
 
 
 @kernel

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError
-from wrsim.jit.butterworth import at_rest, butterworth, passed, zero_phase
+from wrsim.jit.butterworth import butterworth, zero_phase, zero_phase_parts
 from wrsim.results.moments import Array
 
 ROWS = 1 << 15  # samples of a long signal that are filtered at once
@@ -56,31 +56,12 @@ def band_pass(signal: Array, rate: float, low: float, high: float) -> Array:
 
 
 def low_passed(read: Callable[[int, int], Array], count: int, rate: float, cut_off: float) -> Iterator[Array]:
-    """`low_pass` of a long signal, to the bit, ``ROWS`` samples at a time, from the states of both passes between them.
+    """`low_pass` of a long signal, to the bit, ``ROWS`` samples at a time.
 
     read: gives the samples (n, channels) from one to another, of so many.
     """
     sections, pad = _filter(count, rate, False, cut_off, 2)
-    rest = at_rest(sections)[..., None]
-    edges = [*range(0, count, ROWS), count]
-    first, last, parts = read(0, pad + 1), read(count - pad - 1, count), len(edges) - 1
-    before, after = 2.0 * first[:1] - first[:0:-1], 2.0 * last[-1:] - last[-2::-1]
-
-    def forward(k: int) -> tuple[Array, Array]:
-        signal = read(edges[k], edges[k + 1])
-        signal = np.concatenate([*[before] * (k == 0), signal, *[after] * (k == parts - 1)])
-        return passed(sections, signal, ahead[k])
-
-    def backward(k: int) -> tuple[Array, Array]:
-        return passed(sections, forward(k)[0][::-1], behind[k + 1])
-
-    ahead = {0: rest * before[:1]}
-    for k in range(parts):
-        result, ahead[k + 1] = forward(k)
-    behind = {parts: rest * result[-1:]}
-    for k in range(parts - 1, 0, -1):
-        behind[k] = backward(k)[1]
-    return (backward(k)[0][::-1][pad * (k == 0) :][: edges[k + 1] - edges[k]] for k in range(parts))
+    return zero_phase_parts(sections, read, count, pad, ROWS)
 
 
 def _filtered(signal: Array, rate: float, highpass: bool, cut_off: float, order: int) -> Array:

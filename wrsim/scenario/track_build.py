@@ -63,8 +63,8 @@ def track_model(path: Path, models: Sequence[str | Path] = (), alignment: str | 
     kind, of_scenario = kind_of(path), {"analysis", "vehicle", BASE} & {*data}
     other = kind and not kind.startswith(("a scenario", "a track"))
     if other or not (of_scenario or "track" in data):
-        found = f"is {kind}" if other else f"has neither [track] nor analysis, vehicle or {BASE}"
-        raise InputError(f"{path}: {found}; a {what} is needed here")
+        fault = f"is {kind}" if other else f"has neither [track] nor analysis, vehicle or {BASE}"
+        raise InputError(f"{path}: {fault}; a {what} is needed here")
     if "track" in data and not of_scenario:
         runs = {"analysis": "curving", "vehicle": {"model": "any", "speed_kmh": 60}}
         scenario = load_text(write_toml(runs | {"track": {FILE: str(path.absolute())}}), path.parent, models)

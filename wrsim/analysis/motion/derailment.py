@@ -41,7 +41,6 @@ class WatchedWheel:
         self.level = self.model.radius + self.model.rail.top[1]  # height of the axle on the rail's highest point
         rows = wheel.model.arrays.rows
         self._lobes, self._closest, self._N = rows.total["lobes"], rows.total["closest"], rows.patches["N"]
-        self._outward = rows.total["Fo"]
 
     def off_the_rail(self) -> Derailment | None:
         """How the wheel has left its rail, if it has."""
@@ -66,11 +65,6 @@ class WatchedWheel:
     def depth(self) -> float:
         """Largest overlap with the rail [m]."""
         return -self._closest.item()
-
-    @property
-    def lateral(self) -> float:
-        """Lateral force on the wheel, outward [N]."""
-        return float(self._outward.item())
 
     def nearest_end(self) -> int:
         """The end of a profile that is nearest to a patch: inner and outer one of the rail (0, 1), of the wheel (2, 3);

@@ -128,7 +128,7 @@ class Monitor:
         """After every step, at the law's last evaluation; sampled: whether its state is stored."""
         kernel.watch_step(t, self.law.distance, sampled, self.watched, *self._wheels)
         if self.phase_error.step:
-            self.phase_error.add(t, np.array([wheel.lateral for wheel in self.wheels]))
+            self.phase_error.add(t, self.watched["lateral"].copy())
         growth = self._growth
         if growth.finds:
             force = self.watched["last"][int(growth.wheel)]

@@ -77,10 +77,9 @@ CALLED = (
     vehicle_forces.vehicle_forces, derivative.add_differences, implicit_step.predict, implicit_step.estimate,
     implicit_step.update, implicit_step.set_jacobian, implicit_step.end_step, watch.watch_step, watch.all_on_rails,
     watch.add_phase_error, kinematics.is_near, kinematics.first_not_finite, kinematics.place_on_track,
-    kinematics.poses_along,
-    rigid_body.follow_together, rigid_body.together_inertia, path_kernels.frame_at, path_kernels.frame_rates,
-    sampling.forces_in_turn, equations.block_of, locus.outline, wheel_forces.one_wheel, wheel_forces.in_turn,
-    wheel_rail.wheel_rail, wheel_rail.all_creep_forces,
+    kinematics.poses_along, rigid_body.follow_together, rigid_body.together_inertia, path_kernels.frame_at,
+    path_kernels.frame_rates, sampling.forces_in_turn, equations.block_of, locus.outline, wheel_forces.one_wheel,
+    wheel_forces.in_turn, wheel_rail.wheel_rail, wheel_rail.all_creep_forces,
 )  # fmt: skip
 """Kernels that Python calls in an implicit run along the track, and stages, without the normal model."""
 

@@ -41,6 +41,8 @@ def fastrip(on: Rolling, model: Record, half_length: float, speed: float) -> Non
     strips, n, soft, direction, shape, work, _slip, traction = on
     dx = 2.0 / shape.shape[0]
     shift = 16.0 * half_length / (3.0 * pi * pi)
+    share = 1.0 - model.layer / soft.l1
+    reduction = _linear_share(share)
     for i in range(n):
         strip = strips[i]
         bound = largest_traction(strip)
@@ -50,7 +52,7 @@ def fastrip(on: Rolling, model: Record, half_length: float, speed: float) -> Non
             x = -shift * strip.xi / (soft.l1 * bound)
             y = -shift * strip.eta / (soft.l2 * bound)
             psi = -direction * 0.375 * half_length * strip.phi * strip.a / (soft.l3 * bound)
-            ax, ay, d = _adhesion(x, y, psi, 1.0 - model.layer / soft.l1)
+            ax, ay, d = _adhesion(x, y, psi, share, reduction)
         # what k_d takes from the bound in the adhesion zone; the march adds the rest
         fx = -ax * 0.5 * pi * d * d / dx
         fy = (psi - ay) * 0.5 * pi * d * d / dx
@@ -83,9 +85,9 @@ def _add_adhesion(row: Array, cells: int, psi: float, traction: Array) -> None:
 
 
 @kernel
-def _adhesion(x: float, y: float, psi: float, share: float) -> tuple[float, float, float]:
+def _adhesion(x: float, y: float, psi: float, share: float, reduction: float) -> tuple[float, float, float]:
     """alpha and half length d of the adhesion zone over a (creep-fastrip-e); x, y: xi'/a, eta'/a; share: of the bodies
-    in the flexibility."""
+    in the flexibility; reduction: `_linear_share` of it."""
     size2 = x * x + y * y
     e = 1.0
     if abs(psi) < 1.0:
@@ -97,7 +99,7 @@ def _adhesion(x: float, y: float, psi: float, share: float) -> tuple[float, floa
     # smooth, from 1 at FADING to 0 at |psi| = 1
     part = min(max((1.0 - abs(psi)) / (1.0 - FADING), 0.0), 1.0)
     kept = part * part * (3.0 - 2.0 * part)
-    start = min(2.0 * kept, 1.0) * _linear_share(share)
+    start = min(2.0 * kept, 1.0) * reduction
     kept *= share
     d = kept * (1.0 - e)
     ax, ay = x, y + psi * (1.0 - d)

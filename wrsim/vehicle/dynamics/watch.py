@@ -33,6 +33,7 @@ WATCH = record("""
     last        [N]   force at the last step
     last_at     [s]   time of that
     last_s      [m]   distance of that
+    lateral     [N]   outward force at the last step
     bend        [N]   largest second difference of the force from step to step
     bend_force  [N]   force in the middle of that
     bend_at     [s]   time of that
@@ -53,7 +54,8 @@ def watch_step(t: float, distance: float, sampled: bool, watched: Records, buffe
     """After a step: take the wheels' vertical forces into the peaks between samples and the largest second difference;
     sampled: this is a sample."""
     for i in range(watched.shape[0]):
-        watch, force = watched[i], wheel_total(buffer, index, i).Fb
+        watch, total = watched[i], wheel_total(buffer, index, i)
+        force = total.Fb
         bend = abs(watch.earlier - 2.0 * watch.last + force)
         if watch.steps >= 2 and bend > watch.bend:
             watch.bend, watch.bend_force, watch.bend_at, watch.bend_s = bend, watch.last, watch.last_at, watch.last_s
@@ -64,6 +66,7 @@ def watch_step(t: float, distance: float, sampled: bool, watched: Records, buffe
             if crest > watch.most:
                 watch.most, watch.most_at, watch.most_s = crest, watch.last_at, watch.last_s
         watch.earlier, watch.last, watch.last_at, watch.last_s = watch.last, force, t, distance
+        watch.lateral = total.Fo
         watch.steps += 1
         if not sampled:
             if force > watch.most:
