@@ -73,6 +73,18 @@ def test_the_package_and_its_commands_import_nothing_heavy() -> None:
     assert done.stdout.strip() == "[]"
 
 
+def test_without_the_extra_of_studies_a_wrong_value_is_told_not_the_extra(tmp_path: Path) -> None:
+    program = "import sys; sys.modules['cryptography'] = None; from wrsim.cli.commands import app; app()"
+    wrong = ["run", "scenarios/curve_r300.toml", "--set", "run.distance_m=-5", "-o", str(tmp_path / "x")]
+    study = ["study", "scenarios/studies/friction_speed.toml", "-o", str(tmp_path / "y")]
+    for arguments, told in ((wrong, "run.distance_m = -5: must be"), (study, "pip install 'wrsim[study]'")):
+        done = subprocess.run(
+            [sys.executable, "-c", program, *arguments], cwd=ROOT, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 2
+        assert told in done.stderr and done.stderr.count("\n") == 1
+
+
 def test_a_wheel_carries_its_load_and_its_patch_adds_up_to_its_normal_force(study: Result) -> None:
     np.testing.assert_allclose(study.dataset["Q"].values.ravel(), 60e3, rtol=1e-6)
     for shift in SHIFTS:
