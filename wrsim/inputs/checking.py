@@ -77,7 +77,7 @@ def _classes_of(kind: FileKind) -> list[type[Section]]:
     """The classes of a kind of file; none where what its room needs is not installed."""
     try:
         return _classes(resolved(kind.place))
-    except MissingPackage:
+    except (MissingPackage, ModuleNotFoundError):
         return []
 
 
