@@ -15,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import blas_threads  # noqa: F401 (before numpy)
 import numpy as np
 
 from wrsim.contact import records as k

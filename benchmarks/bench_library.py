@@ -12,6 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import blas_threads  # noqa: F401 (before numpy)
 import numpy as np
 
 from wrsim import ContactSettings, Pose, contact_model, load_profile

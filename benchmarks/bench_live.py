@@ -20,6 +20,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
+import blas_threads  # noqa: F401 (before numpy)
 from support.browser import Browser, browser
 
 from wrsim.api.pages import write_live

@@ -18,6 +18,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import blas_threads  # noqa: F401 (before numpy)
 import numpy as np
 
 from wrsim.results import write_atomically

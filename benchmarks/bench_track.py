@@ -5,6 +5,8 @@ python benchmarks/bench_track.py
 
 from time import perf_counter
 
+import blas_threads  # noqa: F401 (before numpy)
+
 from wrsim.track.segments import Arc, Segment, Straight, Transition
 from wrsim.track.spectra import Realisation
 from wrsim.track.track import Track

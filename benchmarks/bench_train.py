@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import blas_threads  # noqa: F401 (before numpy)
 import numpy as np
 from bench_vehicle import MODELS, timed
 

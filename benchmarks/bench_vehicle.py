@@ -24,6 +24,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import blas_threads  # noqa: F401 (before numpy)
 import numpy as np
 from scipy.interpolate import CubicSpline
 

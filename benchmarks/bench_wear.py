@@ -15,6 +15,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import blas_threads  # noqa: F401 (before numpy)
+
 from wrsim import load, run
 from wrsim.results import write_atomically
 from wrsim.results.files import digest_of

@@ -4,6 +4,8 @@ import errno
 import json
 import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -148,6 +150,21 @@ def test_the_command_ends_quietly_when_the_reader_of_its_output_goes(scenario: P
     done = forked("check", scenario, first=go)
     assert "Traceback" not in done.stderr
     assert "Error" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("settings", "threads"),
+    [({}, ["1", "1"]), ({"OPENBLAS_NUM_THREADS": "2"}, ["2", "1"]), ({"OMP_NUM_THREADS": "2"}, ["None", "None"])],
+)
+def test_the_command_has_one_thread_of_blas_unless_the_user_says_how_many(settings, threads) -> None:
+    names = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")} | settings
+    code = f"""import os, sys, wrsim.cli
+print(*(os.environ.get(name) for name in {names}), "numpy" in sys.modules)
+import numpy
+print(len(os.listdir("/proc/self/task")) if sys.platform == "linux" and not {settings} else 1)"""
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [*threads, "False", "1"]
 
 
 # What reaches the terminal, whatever it is, and whoever wrote the text.

@@ -1,5 +1,8 @@
 """The command line. ``main`` is the entry point of the ``wrsim`` command."""
 
+from wrsim.system import limit_blas_threads
+
+limit_blas_threads()
 try:
     from wrsim.cli.commands import app, main
 except KeyboardInterrupt:
