@@ -13,8 +13,9 @@ from support.rows import rows_of
 
 from wrsim import Arc, InputError, Straight, Track, Transition, load, load_text, run
 from wrsim.scenario.build import build
+from wrsim.track.alignment import profile_of
 from wrsim.track.irregularities import WEIGHTS, Bump, Disturbance, Polygon, Sampled
-from wrsim.track.segments import Grade, Segment, pitch_law
+from wrsim.track.segments import Grade, Segment
 from wrsim.track.spectra import CHINA_HIGH_SPEED, NAMES, SPECTRA, Realisation
 from wrsim.track.table import TrackTable
 
@@ -34,11 +35,15 @@ def offsets(track: Track, side: str, s: np.ndarray) -> np.ndarray:
     return np.einsum("nij,nj->ni", frame[:, 1:], rail - frame[:, 0])
 
 
-def test_a_track_on_a_grade_climbs_by_its_sine_and_is_as_long_as_itself() -> None:
+def test_a_track_on_a_grade_climbs_by_its_sine_and_has_its_lengths_and_radii_in_plan() -> None:
     track = Track.build(CURVE, grades=[Grade(0.0, 0.04)], **OFFSETS)
     angle = math.atan(0.04)
     assert track.centre.position(np.array([100.0]))[0, 2] == pytest.approx(100.0 * math.sin(angle), abs=1e-9)
-    assert track.centre.length == pytest.approx(sum(s.length for s in CURVE), abs=1e-9)
+    assert track.centre.length == pytest.approx(sum(s.length for s in CURVE) / math.cos(angle), abs=1e-9)
+    level, s = Track.build(CURVE), np.linspace(0.0, 180.0, 61)
+    away = track.centre_line.position(s / math.cos(angle)) - level.centre_line.position(s)
+    assert np.abs(away[:, :2]).max() < 1e-10
+    assert [f.end * math.cos(angle) for f in track.features()] == pytest.approx([f.end for f in level.features()])
     assert track.heading(track.length) == pytest.approx(Track.build(CURVE).heading(track.length), rel=1e-15)
     assert track.grade(50.0) == pytest.approx(0.04, rel=1e-15)
 
@@ -46,8 +51,9 @@ def test_a_track_on_a_grade_climbs_by_its_sine_and_is_as_long_as_itself() -> Non
 def test_a_vertical_curve_is_a_circle_between_its_grades() -> None:
     radius, down, up = 2000.0, -0.01, 0.03
     track = Track.build([Straight(400.0)], grades=[Grade(0.0, down), Grade(200.0, up, radius)])
-    half = 0.5 * radius * (math.atan(up) - math.atan(down))
-    s = np.array([200.0 - half, 200.0, 200.0 + half])
+    half = radius * math.tan(0.5 * (math.atan(up) - math.atan(down)))  # the tangents meet at 200 m in plan
+    ends = 200.0 / math.cos(math.atan(down)) - half + np.array([0.0, radius * (math.atan(up) - math.atan(down))])
+    s = np.array([ends[0], ends.mean(), ends[1]])
     x, _, z = track.centre_line.position(s).T
     # all points of a sag curve lie one radius below its centre
     start = np.array([x[0] - radius * math.sin(math.atan(down)), z[0] + radius * math.cos(math.atan(down))])
@@ -103,7 +109,7 @@ def test_rail_rows_are_derivatives_of_a_canted_uneven_rail_in_a_climbing_curve(s
 @pytest.mark.parametrize("grades, message", table("a_grade_that_cannot_be_is_named"))
 def test_a_grade_that_cannot_be_is_named(grades: list[list[float]], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        pitch_law([Grade(*grade) for grade in grades], 180.0)
+        profile_of([Grade(*grade) for grade in grades], 180.0)
 
 
 MCAT = """

@@ -19,8 +19,8 @@ from wrsim.recording.dropouts import runs
 from wrsim.recording.reading import TrackRecording
 from wrsim.recording.systems import SKIRTS, Chord, Complex, InverseFilter, Plain, ShapeSystem, filtered
 from wrsim.track.cant import cant_angle, cant_base
-from wrsim.track.piecewise import Array, Piecewise
-from wrsim.track.segments import LONGEST, Arc, Laws, Segment, Straight, Transition, laws, lifted
+from wrsim.track.piecewise import Array
+from wrsim.track.segments import LONGEST, Arc, Laws, Segment, Straight, Transition, laws, lift_of
 from wrsim.track.track import ROUNDING
 
 SIDES = {"_left": 1.0, "_right": -1.0}
@@ -86,7 +86,7 @@ def restore(
     except InputError as error:
         ends = f"{s[0]:g} to {s[-1]:g} m"
         raise InputError(f"{recording.path}: {ends}: no track's design follows from these rows: {error}") from None
-    _, lift = lifted(law, Piecewise.through(s[[0, -1]], np.zeros(2)), recording.columns.pivot)
+    lift = lift_of(law.cant, recording.columns.pivot)
     design = _Design(law.curvature(s), law.cant(s), law.widening(s), np.zeros(s.size) if lift is None else lift(s))
     arcs = [p for p in plateaus if not p.is_straight and abs(p.cant) > 0.01]
     outward = sum(p.cant * p.curvature < 0.0 for p in arcs)

@@ -17,7 +17,7 @@ from wrsim.track import forms, segments
 from wrsim.track.cant import CANT_BASE
 from wrsim.track.forms import CANT_FORMS, FORMS, CantForm, Form, check_form
 from wrsim.track.piecewise import NODES, Array, Piecewise, interpolant, merged
-from wrsim.track.segments import LONGEST, ROUNDING, Arc, Laws, Segment, Straight, Transition, check_range
+from wrsim.track.segments import LONGEST, ROUNDING, Arc, Grade, Laws, Segment, Straight, Transition, check_range
 
 JOINT = 5e-3
 """Largest distance of the end of an element from the next start, and largest step of height there [m].
@@ -140,7 +140,7 @@ def alignment_laws(
             )
     edges = np.concatenate(([0.0], np.cumsum([each.length for each in plan])))
     cross, mean = _cant_laws(cant or [Cant(0.0, edges[-1], (0.0, 0.0), (0.0, 0.0))], edges[-1], rounding)
-    height = _height_law(profile or [Profile(0.0, edges[-1])], edges[-1], rounding)
+    height = height_law(profile or [Profile(0.0, edges[-1])], edges[-1], rounding)
 
     leans = np.diff(cross(edges)) / cant_base
     shifts = [
@@ -150,14 +150,40 @@ def alignment_laws(
     ends = np.array([(each.start, each.end) for each in plan]).T
     curvature = forms.curvature_law(edges, ends[0], ends[1], [each.form for each in plan], shifts)
 
+    law, spans = in_space(Laws(curvature, cross, Piecewise.through(edges[[0, -1]], np.zeros(2))), height, mean, edges)
+    return law, tuple(_segment(each, span) for each, span in zip(plan, spans, strict=True))
+
+
+def in_space(law: Laws, height: Piecewise, mean: Piecewise | None, edges: Array) -> tuple[Laws, list[float]]:
+    """Laws over the distance in plan as laws over the length in space.
+
+    Parameters
+    ----------
+    law : Laws
+        Over the distance in plan; without slope.
+    height, mean : Piecewise
+        Height of the grade line, and of the centre line above it, None where it is 0 [m].
+    edges : (n + 1,) array
+        Distances in plan of the joints of elements [m].
+
+    Returns
+    -------
+    Laws, list of float
+        With angle of slope and height; the lengths of the elements in space [m]. The same laws where all is level.
+    """
+    parts = (height,) if mean is None or mean.is_zero else (height, mean)
+
     def slope(x: Array) -> Array:
-        return height(x, 1) + mean(x, 1)
+        return np.asarray(sum(part(x, 1) for part in parts))
 
     def stretch(x: Array) -> Array:
         return np.hypot(1.0, slope(x))
 
-    laws = (curvature, cross, mean, height)
-    places = merged(*(np.clip(law.breaks, 0.0, edges[-1]) for law in laws))
+    if len(parts) == 1 and not height(height.breaks, 1).any():
+        level = Piecewise.through(edges[[0, -1]], np.zeros(2))
+        return replace(law, pitch=level), np.diff(edges).tolist()
+    laws = (law.curvature, law.cant, law.widening, *parts)
+    places = merged(*(np.clip(each.breaks, 0.0, edges[-1]) for each in laws))
     lengths = gauss_integrals(stretch, places[:-1], places[1:], 16)
     begin, share = np.repeat(places[:-1], NODES.size), (lengths[:, None] * NODES).ravel()
     x = forms.distance_at(stretch, begin, share)
@@ -166,15 +192,14 @@ def alignment_laws(
     def over_length(values: Array) -> Piecewise:
         return Piecewise.interpolated(distances, values.reshape(lengths.size, NODES.size))
 
-    law = Laws(
-        curvature=over_length(curvature(x) / stretch(x)),
-        cant=replace(over_length(cross(x)), kinks=cross.kinks),
-        widening=Piecewise.through(distances[[0, -1]], np.zeros(2)),
+    laid = Laws(
+        curvature=over_length(law.curvature(x) / stretch(x)),
+        cant=replace(over_length(law.cant(x)), kinks=law.cant.kinks),
+        widening=over_length(law.widening(x)),
         pitch=over_length(np.arctan(slope(x))),
-        lift=None if mean.is_zero else over_length(mean(x)),
+        lift=over_length(parts[1](x)) if len(parts) == 2 else None,
     )
-    spans = np.diff(np.interp(edges, places, distances)).tolist()
-    return law, tuple(_segment(each, span) for each, span in zip(plan, spans, strict=True))
+    return laid, np.diff(np.interp(edges, places, distances)).tolist()
 
 
 def _segment(element: Plan, length: float) -> Segment:
@@ -224,8 +249,9 @@ def _cant_laws(elements: Sequence[Cant], end: float, rounding: float) -> tuple[P
 _WEIGHTS = np.array([[-1.0, 1.0], [0.5, 0.5]])  # of the left and the right rail in cant and mean height
 
 
-def _height_law(elements: Sequence[Profile], end: float, rounding: float) -> Piecewise:
-    """Height of the grade line above its first point, over the plan [m]; kinks are rounded."""
+def height_law(elements: Sequence[Profile], end: float, rounding: float = ROUNDING) -> Piecewise:
+    """Height of the grade line above its first point, over a plan of this length [m]; kinks are rounded over that half
+    length. Raises InputError."""
     edges, rows, height = _edges("profile", elements, end), np.zeros((len(elements), NODES.size)), 0.0
     for i, each in enumerate(elements):
         check_form(f"profile[{i}]", "form", each.form, ("circle", "parabola"))
@@ -240,3 +266,48 @@ def _height_law(elements: Sequence[Profile], end: float, rounding: float) -> Pie
             rows[i] = interpolant(height + length * NODES * rise)
         height = float(rows[i].sum())
     return Piecewise.of_rows(edges, rows).rounded(rounding)
+
+
+def profile_of(grades: Sequence[Grade], length: float) -> list[Profile]:
+    """The vertical profile of grades over a track of that length in plan [m]: constant grades and circles between.
+
+    Level where there are no grades, and before the first. Raises InputError, with the grade's number, for wrong
+    values and for vertical curves that overlap or reach beyond the track.
+    """
+    rows, slope, free, last = list[Profile](), 0.0, 0.0, -1.0
+
+    def add(end: float, end_slope: float, form: Literal["circle", "parabola"]) -> None:
+        height = rows[-1].end_height if rows else 0.0
+        rows.append(Profile(free, end - free, slope, end_slope, form, height))
+
+    for number, grade in enumerate(grades):
+        where = f"grades[{number}]"
+        if not (max(last + 1e-9, 0.0) <= grade.start < length):
+            after = f"above {last:g} (the grade before)" if number else "0"
+            fault = f"from_m = {grade.start:g}; allowed: {after} to {length:g}, on the track and rising"
+            raise InputError(f"{where}: {fault}")
+        check_range(where, "grade_permille", grade.slope, -segments.STEEPEST, segments.STEEPEST, 1e3)
+        check_range(where, "vertical_radius_m", grade.radius, segments.TIGHTEST, 1e7)
+        last = grade.start
+        if grade.start == 0.0:
+            slope = grade.slope
+        if grade.slope == slope:
+            continue
+        before, behind = math.atan(slope), math.atan(grade.slope)
+        tangent = grade.radius * math.tan(0.5 * abs(behind - before))
+        begin, end = grade.start - tangent * math.cos(before), grade.start + tangent * math.cos(behind)
+        if begin < free - 1e-9 or end > length + 1e-9:
+            meets = "the end of the track" if end > length else "the one before, or the start of the track"
+            allowed = f"a smaller vertical_radius_m (now {grade.radius:g}), or grades further apart"
+            curve = f"its vertical curve runs from {begin:g} to {end:g} m"
+            raise InputError(f"{where}: {curve} and meets {meets}; allowed: {allowed}")
+        if begin - free >= STEP:
+            add(begin, slope, "parabola")
+        free = begin
+        if min(end, length) - free >= STEP:
+            add(min(end, length), grade.slope, "circle")
+        free = min(end, length)
+        slope = grade.slope
+    if length - free >= STEP or not rows:
+        add(length, slope, "parabola")
+    return rows

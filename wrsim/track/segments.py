@@ -3,13 +3,12 @@
 Cant of a segment is positive when it leans the vehicle to the inside, in curves of either hand. Inside the library cant
 is signed like the curvature: positive when the right rail is the higher one. Beside a transition at an end of the row
 lies level straight track at nominal gauge. Without a transition the curvature jumps, as in the branch of a turnout;
-path tables spread the jump over one step. A vertical curve has half of its length before the change of grade and half
-behind (docs/theory/track.md).
+path tables spread the jump over one step. Lengths and radii count in plan, along the level.
 """
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from numbers import Real
 
@@ -35,7 +34,7 @@ HIGHEST = 5.0  # largest height of a centre of gravity above the rail tops [m]; 
 
 @dataclass(frozen=True)
 class Straight:
-    """Straight track. length [m]; cant and gauge widening [m] at both ends, linear between.
+    """Straight track. length in plan [m]; cant and gauge widening [m] at both ends, linear between.
 
     The cant of an end belongs to the nearest curve on that side of the segment (to the other side if there is
     none; to a left curve, right rail higher, on a track without curves).
@@ -50,7 +49,7 @@ class Straight:
 
 @dataclass(frozen=True)
 class Arc:
-    """Circular track. length [m] along the centre line, radius [m] positive to the left; cant and gauge
+    """Circular track. length in plan [m] of the centre line, radius [m] positive to the left; cant and gauge
     widening [m] are held."""
 
     length: float
@@ -85,9 +84,9 @@ Segment = Straight | Arc | Transition
 
 @dataclass(frozen=True, eq=False)
 class Laws:
-    """Curvature [1/m], signed cant [m] and gauge widening [m] over the distance along the centre line; angle of slope
-    [rad] where it is not given by grades; height of the centre line above the grade line [m], which the angle of slope
-    contains, where the cant does not turn about the centre line."""
+    """Curvature [1/m], signed cant [m] and gauge widening [m] over the distance along the centre line, or in plan as
+    long as they have no angle of slope [rad]; height of the centre line above the grade line [m], which the angle of
+    slope contains, where the cant does not turn about the centre line."""
 
     curvature: Piecewise
     cant: Piecewise
@@ -251,20 +250,27 @@ def _check_number(where: str, key: str, value: object) -> None:
         check_range(where, key, float(value), -most, most, 1e3)
 
 
-def lifted(law: Laws, pitch: Piecewise, pivot: Pivot) -> tuple[Piecewise, Piecewise | None]:
-    """Angle of slope of the centre line and its height above the grade line; pitch: angle of slope of the grade line,
-    or of the centre line of laws that have its height.
+def lift_of(cant: Piecewise, pivot: Pivot) -> Piecewise | None:
+    """Height of the centre line above the grade line [m]; None: 0.
 
     The pivot stays at the height of the grade line, and the centre line is half of the cant above or below it. Where
     the low rail becomes the high one, the kink of its height is rounded as those of cant.
     """
-    if law.lift is not None or pivot == "centre line" or law.cant.is_zero:
-        return pitch, law.lift
-    size = law.cant if pivot in ("left rail", "right rail") else law.cant.absolute().rounded(ROUNDING)
-    lift = size.scaled(0.5 if pivot in ("left rail", "low rail") else -0.5)
-    edges = merged(pitch.breaks, lift.breaks)
+    if pivot == "centre line" or cant.is_zero:
+        return None
+    size = cant if pivot in ("left rail", "right rail") else cant.absolute().rounded(ROUNDING)
+    return size.scaled(0.5 if pivot in ("left rail", "low rail") else -0.5)
+
+
+def lifted(law: Laws, pivot: Pivot) -> Laws:
+    """Laws that have the angle of slope of the grade line, with that of the centre line and its height."""
+    lift = lift_of(law.cant, pivot)
+    if lift is None or law.pitch is None:
+        return law
+    edges = merged(law.pitch.breaks, lift.breaks)
     s = edges[:-1, None] + np.diff(edges)[:, None] * NODES
-    return Piecewise.interpolated(edges, np.arcsin(np.sin(pitch(s)) + lift(s, 1))), lift
+    pitch = Piecewise.interpolated(edges, np.arcsin(np.sin(law.pitch(s)) + lift(s, 1)))
+    return replace(law, pitch=pitch, lift=lift)
 
 
 STEEPEST = 0.15  # largest grade: 150 per thousand; adhesion railways use up to 80
@@ -273,50 +279,9 @@ TIGHTEST = 200.0  # smallest vertical radius [m]; light rail goes down to 350 m,
 
 @dataclass(frozen=True)
 class Grade:
-    """From a distance on [m] the track climbs by ``slope`` (rise over length along the level; 0.008 is 8 per
-    thousand). radius: of the vertical curve at the change [m]; without meaning for a grade that begins at 0."""
+    """From a distance in plan on [m] the track climbs by ``slope`` (rise over length along the level; 0.008 is 8 per
+    thousand). radius: of the vertical curve whose tangents meet there [m]; without meaning at 0."""
 
     start: float
     slope: float
     radius: float = 10_000.0
-
-
-def pitch_law(grades: Sequence[Grade], length: float) -> Piecewise:
-    """Angle of slope [rad], positive uphill, over the distance along a track of that length [m].
-
-    Level where there are no grades, and before the first. Raises InputError, with the grade's number, for wrong
-    values and for vertical curves that overlap or reach beyond the track.
-    """
-    starts, rows = [0.0], [0.0]  # knots of the piecewise linear angle
-    angle, free, last = 0.0, 0.0, -1.0
-    for number, grade in enumerate(grades):
-        where = f"grades[{number}]"
-        if not (max(last + 1e-9, 0.0) <= grade.start < length):
-            after = f"above {last:g} (the grade before)" if number else "0"
-            fault = f"from_m = {grade.start:g}; allowed: {after} to {length:g}, on the track and rising"
-            raise InputError(f"{where}: {fault}")
-        check_range(where, "grade_permille", grade.slope, -STEEPEST, STEEPEST, 1e3)
-        check_range(where, "vertical_radius_m", grade.radius, TIGHTEST, 1e7)
-        target, last = math.atan(grade.slope), grade.start
-        if grade.start == 0.0:
-            rows[0] = angle = target
-            continue
-        half = 0.5 * abs(target - angle) * grade.radius
-        if half == 0.0:
-            continue
-        begin, end = grade.start - half, grade.start + half
-        if begin < free - 1e-9 or end > length + 1e-9:
-            meets = "the end of the track" if end > length else "the one before, or the start of the track"
-            allowed = f"a smaller vertical_radius_m (now {grade.radius:g}), or grades further apart"
-            curve = f"its vertical curve runs from {begin:g} to {end:g} m"
-            raise InputError(f"{where}: {curve} and meets {meets}; allowed: {allowed}")
-        if begin > starts[-1] + 1e-9:
-            starts.append(begin)
-            rows.append(angle)
-        starts.append(min(end, length))
-        rows.append(target)
-        angle, free = target, end
-    if length > starts[-1] + 1e-9:
-        starts.append(length)
-        rows.append(angle)
-    return Piecewise.through(np.array(starts), np.array(rows))

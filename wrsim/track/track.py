@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from wrsim.errors import InputError
 from wrsim.inputs.notebook import card
+from wrsim.track.alignment import height_law, in_space, profile_of
 from wrsim.track.bridge import Bridge
 from wrsim.track.cant import PIVOTS, RAIL_HEAD_WIDTH, STANDARD_GAUGE, Pivot
 from wrsim.track.forms import LABEL, check_form
@@ -39,8 +40,8 @@ from wrsim.track.segments import (
     check_range,
     kind_word,
     laws,
+    lift_of,
     lifted,
-    pitch_law,
 )  # fmt: skip
 from wrsim.track.sleepers import SleeperTrack
 
@@ -85,6 +86,7 @@ class Track:
     """
 
     segments: tuple[Segment, ...]
+    """With their lengths along the centre line, and radii in plan."""
     nominal_gauge: float
     cant_base: float
     centre_line: CentreLine
@@ -99,8 +101,8 @@ class Track:
     """Distance up to which tables of paths are made: beyond, they continue straight [m]."""
     lift: Piecewise | None = None
     """Height of the centre line above the grade line [m]; None: 0."""
-    grade_line: Piecewise | None = None
-    """Angle of slope of the grade line [rad]; None: that of the centre line."""
+    grades: tuple[Grade, ...] = ()
+    """Vertical profile in plan that the segments were laid with."""
     pivot: Pivot = "centre line"
     """What the cant turns about, unless the alignment has the heights of both rails."""
     alignment: CivilLine | None = None
@@ -170,13 +172,13 @@ class Track:
     ) -> Track:
         """A track of given laws of curvature, cant and gauge.
 
-        segments: of the laws; without them the track is one measured piece. grades: vertical alignment, in place of
-        that of the laws. irregularities: of the rails. left_offset, right_offset: (o, b) of the
-        rail profile's origin [m], outward of the gauge point and above the rail tops. cant_base: distance over which
-        cant is measured [m], default gauge + 0.065 m. step: largest distance of the tables' rows [m]; None: 0.25 m, and
-        on the rails what their irregularities need. start, heading: point [m] and direction [rad] at s = 0.
-        structure: what the rails rest on, None for rigid ones. pivot: what the cant turns about. alignment: the civil
-        line of the laws.
+        segments: of the laws; without them the track is one measured piece. grades: vertical profile, in place of
+        that of the laws; with it, and where laws have none, laws and segments count in plan. irregularities: of the
+        rails. left_offset, right_offset: (o, b) of the rail profile's origin [m], outward of the gauge point and above
+        the rail tops. cant_base: distance over which cant is measured [m], default gauge + 0.065 m. step: largest
+        distance of the tables' rows [m]; None: 0.25 m, and on the rails what their irregularities need. start, heading:
+        point [m] and direction [rad] at s = 0. structure: what the rails rest on, None for rigid ones. pivot: what the
+        cant turns about. alignment: the civil line of the laws.
         """
         check_range("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
         base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
@@ -203,14 +205,20 @@ class Track:
         if law.lift is not None and (grades or pivot != PIVOTS[0]):
             named = f"pivot = {pivot!r}" if pivot != PIVOTS[0] else "grades"
             raise InputError(f"track: {named} cannot be given with an alignment, which has the heights of both rails")
-        grade_line = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
-        pitch, lift = lifted(law, grade_line, pivot)
-        above = 0.0 if lift is None else float(lift(0.0))
-        line = CentreLine(law.curvature, pitch, (start[0], start[1], start[2] + above), heading)
+        if law.pitch is None or grades:
+            edges = np.cumsum([0.0, *((s.length for s in segments) if segments else (length,))])
+            height = height_law(profile_of(grades, length), length)
+            law, spans = in_space(law, height, lift_of(law.cant, pivot), edges)
+            segments = tuple(replace(s, length=span) for s, span in zip(segments, spans, strict=False))
+        else:
+            law = lifted(law, pivot)
+        assert law.pitch is not None
+        above = 0.0 if law.lift is None else float(law.lift(0.0))
+        line = CentreLine(law.curvature, law.pitch, (start[0], start[1], start[2] + above), heading)
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
         left, right = swept(1, *left_offset, uneven[1]), swept(-1, *right_offset, uneven[-1])
         steps = ROWS if step is None else step, rows
-        more: dict[str, Any] = {"lift": lift, "pivot": pivot, "alignment": alignment, "grade_line": grade_line}
+        more: dict[str, Any] = {"lift": law.lift, "pivot": pivot, "alignment": alignment, "grades": tuple(grades)}
         return cls(segments, gauge, base, line, left, right, *steps, structure, **more)
 
     def __repr__(self) -> str:

@@ -30,7 +30,7 @@ class GradeSection(Section, header="[[track.grades]]"):
     """From a distance on the track climbs or falls; a vertical curve leads over from the grade before."""
 
     from_m: Place
-    """Where the grade begins; the middle of the vertical curve."""
+    """Where the grade begins, in plan; the tangents of the vertical curve meet there."""
     grade_permille: Annotated[float, number(-150, 150, "positive: uphill")]
     """Slope of the line from there on; positive climbs."""
     vertical_radius_m: Annotated[float, number(200, 1e7, "m, of the vertical curve at the change")] = 10_000.0

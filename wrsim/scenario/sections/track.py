@@ -75,7 +75,7 @@ class StraightSegment(SegmentTable, kind="straight"):
     also_called = "tangent line"
 
     length_m: Length
-    """Length along the centre line."""
+    """Length of the centre line in plan."""
     cant_start_mm: Cant = 0.0
     """Cant where the piece begins."""
     cant_end_mm: Cant = 0.0
@@ -103,7 +103,7 @@ class TransitionSegment(SegmentTable, kind="transition"):
     goes_with = {"cant_start_mm": "radius_start_m", "cant_end_mm": "radius_end_m"}
 
     length_m: Length
-    """Length along the centre line."""
+    """Length of the centre line in plan."""
     form: Form = "clothoid"
     """How curvature, cant and gauge lead over; cant and gauge of a cubic parabola linearly."""
     cant_form: CantForm | None = None
@@ -137,9 +137,9 @@ class ArcSegment(SegmentTable, kind="arc"):
     one_of = ("length_m angle_deg",)
 
     radius_m: Radius
-    """Radius of the centre line; positive curves to the left."""
+    """Radius of the centre line in plan; positive curves to the left."""
     length_m: Length | None = None
-    """Length along the centre line; or give angle_deg."""
+    """Length of the centre line in plan; or give angle_deg."""
     angle_deg: Annotated[float, positive(36_000, "degrees, always positive")] | None = None
     """Angle that the track turns by; or give length_m."""
     cant_mm: Cant = 0.0

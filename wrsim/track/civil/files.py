@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
 from wrsim.contact.profiles.curves import gauss_integrals
 from wrsim.errors import InputError, suggest
-from wrsim.track.alignment import Cant, Plan, Profile
+from wrsim.track.alignment import Cant, Plan, profile_of
 from wrsim.track.cant import Pivot
 from wrsim.track.civil.ifc import ifc_text, read_ifc
 from wrsim.track.civil.landxml import landxml_text, read_landxml
@@ -19,7 +18,7 @@ from wrsim.track.civil.railml import read_railml
 from wrsim.track.civil.xml_tree import read_xml
 from wrsim.track.forms import CantForm, Form
 from wrsim.track.piecewise import Piecewise, merged
-from wrsim.track.segments import Segment, end_states
+from wrsim.track.segments import Grade, Segment, end_states
 
 
 def read_alignment(path: Path, name: str | None = None) -> CivilLine:
@@ -54,33 +53,22 @@ def civil_text(line: CivilLine, path: Path, base: float, gauge: float, date: str
 
 
 def alignment_of(
-    name: str, segments: Sequence[Segment], pitch: Piecewise, grade_line: Piecewise, pivot: Pivot
+    name: str, segments: Sequence[Segment], pitch: Piecewise, grades: Sequence[Grade], pivot: Pivot
 ) -> CivilLine:
-    """The record of segments, and of the angles of slope of the centre line and of the grade line, in circles and
-    constant grades, over the distance along the centre line.
-
-    Lengths in plan are those along the line times the cosine of the slope, and radii are such that directions at the
-    joints are kept: exact but for a curve within a vertical curve, whose slope varies. Gauge widening is left out.
-    """
+    """The record of segments of a track, whose lengths are along it, its angle of slope and its grades. Gauge widening
+    is left out."""
     edges = np.concatenate([[0.0], np.cumsum([segment.length for segment in segments])])
-    places = merged(edges, pitch.breaks, grade_line.breaks)
+    places = merged(edges, pitch.breaks)
     plan = np.cumsum([0.0, *gauss_integrals(lambda s: np.cos(pitch(s)), places[:-1], places[1:], 16)])
-    starts, bends = (np.interp(x, places, plan).tolist() for x in (edges, grade_line.breaks))
+    starts = np.interp(edges, places, plan).tolist()
     elements, ramps = list[Plan](), list[Cant]()
     for i, (segment, states) in enumerate(zip(segments, end_states(segments).transpose(2, 0, 1).tolist(), strict=True)):
         (first, cant, _), (last, end_cant, _) = states
         form: Form = getattr(segment, "form", "clothoid")
         ramp: CantForm = getattr(segment, "cant_form", None) or ramp_of(form)
         length, height = starts[i + 1] - starts[i], getattr(segment, "centre_of_gravity_height", None)
-        bent = segment.length / length
-        elements.append(Plan(length, bent * first, bent * last, form, height))
+        elements.append(Plan(length, first, last, form, height))
         ramps.append(Cant(starts[i], length, RAILS[pivot](cant), RAILS[pivot](end_cant), ramp))
-    profile, high = list[Profile](), 0.0
-    slopes = np.tan(grade_line(grade_line.breaks)).tolist()
-    for start, end, slope, end_slope in zip(bends, bends[1:], slopes, slopes[1:], strict=False):
-        kind: Literal["circle", "parabola"] = "parabola" if slope == end_slope else "circle"
-        profile.append(Profile(start, end - start, slope, end_slope, kind, high))
-        high = profile[-1].end_height
     level = not any(any(ramp.rails_start + ramp.rails_end) for ramp in ramps)
-    rows = tuple(elements), () if grade_line.is_zero else tuple(profile), () if level else tuple(ramps)
-    return CivilLine(name, name, *rows)
+    profile = profile_of(grades, starts[-1]) if grades else ()
+    return CivilLine(name, name, tuple(elements), tuple(profile), () if level else tuple(ramps))
