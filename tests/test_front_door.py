@@ -73,6 +73,24 @@ def test_the_package_and_its_commands_import_nothing_heavy() -> None:
     assert done.stdout.strip() == "[]"
 
 
+def test_a_run_imports_no_library_for_what_it_does_not_do(tmp_path: Path) -> None:
+    unused = [
+        "dask.array",
+        "scipy.ndimage",
+        "scipy.optimize",
+        "scipy.signal",
+        "scipy.sparse",
+        "scipy.special",
+        "scipy.stats",
+    ]
+    code = f"import atexit, sys, wrsim.cli\nprints = lambda: print(sorted(set({unused}) & set(sys.modules)))\n"
+    program = [sys.executable, "-c", f"{code}atexit.register(prints)\nwrsim.cli.main()"]
+    given = ["run", "scenarios/curve_r300.toml", "--set", "run.distance_m=1", "-q", "-o", str(tmp_path / "run")]
+    done = subprocess.run([*program, *given], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout.strip() == "[]"
+    assert len(list((tmp_path / "run").glob("*.png"))) == 5
+
+
 def test_without_the_extra_of_studies_a_wrong_value_is_told_not_the_extra(tmp_path: Path) -> None:
     program = "import sys; sys.modules['cryptography'] = None; from wrsim.cli.commands import app; app()"
     wrong = ["run", "scenarios/curve_r300.toml", "--set", "run.distance_m=-5", "-o", str(tmp_path / "x")]

@@ -3,6 +3,7 @@
 Functions of the API import what they need when they run, so that ``wrsim --help`` answers at once.
 """
 
+import atexit
 import gc
 import inspect
 import logging
@@ -156,6 +157,9 @@ def main() -> None:
     any_output()
     # a hundred thousand lasting objects of libraries are looked through again and again otherwise: a second of a run
     gc.set_threshold(50_000, 20, 100)
+    atexit.register(gc.freeze)  # nor at the end, where it takes half a second
+    if sys.argv[1:2] == ["run"]:
+        sys.modules["dask"] = None  # type: ignore[assignment]  # xarray asks of all numbers whether they are its arrays
     console.show_progress()
     try:
         with usage_as_json("--json" in sys.argv[1:]) as standalone:

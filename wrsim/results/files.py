@@ -141,7 +141,8 @@ def csv_parts(rows: Iterable[Sequence[str]]) -> Iterator[bytes]:
     rest = iter(rows)
     while some := list(islice(rest, _ROWS)):
         stream = io.StringIO(newline="")
-        csv.writer(stream, lineterminator="\n").writerows([safe_cell(cell) for cell in row] for row in some)
+        cells = ([cell if cell[:1] in "0123456789" else safe_cell(cell) for cell in row] for row in some)
+        csv.writer(stream, lineterminator="\n").writerows(cells)
         yield stream.getvalue().replace("\r", " ").encode()  # many readers begin a row after it
 
 

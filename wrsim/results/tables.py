@@ -155,7 +155,7 @@ def _flat(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, NDArray[Any]]]:
 
 def _places(dataset: xr.Dataset, name: str) -> Iterator[tuple[tuple[Any, ...], NDArray[Any]]]:
     """Values of a channel over the samples for each combination of the labels of its further dimensions."""
-    data = dataset[name]
+    data = dataset.variables[name]
     labels = [dataset[dim].values if dim in dataset.coords else range(dataset.sizes[dim]) for dim in data.dims[1:]]
     places = list(product(*labels))
     values = data.values.reshape(data.shape[0], len(places))
@@ -169,7 +169,8 @@ def long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], d
     columns = []
     for name in names:
         if name in CHANNELS:
-            at_rows = dataset[name].values[tuple(at[str(d)] for d in dataset[name].dims)]
+            values = dataset.variables[name]
+            at_rows = values.values[tuple(at[str(d)] for d in values.dims)]
             columns.append((_head(name), channel_cells(name, at_rows)))
         else:
             columns.append((name, [str(i) for i in at[name]]))
@@ -188,12 +189,13 @@ def rows_of(columns: list[tuple[str, list[str]]]) -> list[Row]:
 
 def present(dataset: xr.Dataset, dims: tuple[str, ...]) -> list[str]:
     """Channels of the dataset with exactly these dimensions, in the register's order; labels left out."""
-    return [n for n in CHANNELS if n in dataset.variables and dataset[n].dims == dims and n not in dataset.dims]
+    variables = dataset.variables
+    return [n for n in CHANNELS if n in variables and variables[n].dims == dims and n not in dataset.dims]
 
 
 def chosen(dataset: xr.Dataset, channels: list[str]) -> NDArray[np.bool_]:
     """True where one of these channels, alike in their dimensions, has a finite value, or a count above zero."""
-    arrays = ((CHANNELS[name].kind, dataset[name].values) for name in channels)
+    arrays = ((CHANNELS[name].kind, dataset.variables[name].values) for name in channels)
     return np.any([values > 0 if kind == "count" else np.isfinite(values) for kind, values in arrays], axis=0)
 
 

@@ -35,9 +35,9 @@ class ScenarioSpec(Section, header="a scenario"):
     """Which vehicle runs, how fast, and what differs from its file."""
     track: TrackSection
     """Gauge, rails, the way they are laid and what they rest on."""
-    contact: ContactSection = ContactSection()
+    contact: ContactSection = ContactSection.model_construct()
     """Contact model, friction and material."""
-    profiles: ProfilesSection = ProfilesSection()
+    profiles: ProfilesSection = ProfilesSection.model_construct()
     """How files of points of wheels and rails are read."""
 
     @classmethod
@@ -127,23 +127,22 @@ def _is_needed(table: type[Section]) -> bool:
 
 
 def _with_all_tables() -> type[ScenarioSpec]:
+    """All tables in one; what is not given is not checked: each check of its own would take time to build."""
     tables: dict[str, Any] = {}
     for name, place in TABLES.items():
         table = resolved(place)
-        tables[name] = (table | None, None) if _is_needed(table) else (table, table())
+        tables[name] = (table | None, None) if _is_needed(table) else (table, table.model_construct())
     return create_model("ScenarioFile", __base__=ScenarioSpec, **tables)
 
 
 def _link_tables() -> None:
     """Give every table the keys of the others, for its messages."""
-    tables = tuple(dict.fromkeys(tables_in(ScenarioFile)))
+    tables = dict.fromkeys(tables_in(ScenarioFile))
+    top = "the top of the file, before the first table"
+    homes = {key: top if t is ScenarioFile else t.header for t in reversed(tables) for key in t.model_fields}
     for table in tables:
-        table.elsewhere = {
-            key: "the top of the file, before the first table" if other is ScenarioFile else other.header
-            for other in reversed(tables)
-            for key in other.model_fields
-            if other is not table and key not in table.model_fields
-        } | table.elsewhere
+        keys = table.model_fields
+        table.elsewhere = {key: home for key, home in homes.items() if key not in keys} | table.elsewhere
 
 
 ScenarioFile = _with_all_tables()

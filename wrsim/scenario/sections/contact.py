@@ -267,9 +267,9 @@ class ContactSection(Section, header="[contact]"):
     """Normal damping: the force grows by this times the speed of approach, and never pulls."""
     max_patches: Annotated[int, number(*RANGES["max_patches"])] | None = None
     """Largest number of patches of one wheel, largest first; the usual number of the normal model unless given."""
-    material: MaterialSection = MaterialSection()
+    material: MaterialSection = MaterialSection.model_construct()
     """Elastic numbers of wheel and rail."""
-    half_space: HalfSpaceSection = HalfSpaceSection()
+    half_space: HalfSpaceSection = HalfSpaceSection.model_construct()
     """Elements of the exact solver."""
     layer: ThirdBodySection | None = None
     """A third body between wheel and rail; none unless given."""

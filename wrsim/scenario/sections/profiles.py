@@ -14,9 +14,9 @@ class PointsSection(PointsKeys, header="[profiles.wheel] or [profiles.rail]"):
 class ProfilesSection(Section, header="[profiles]"):
     """How files of points are read that a scenario or its vehicle names directly."""
 
-    wheel: PointsSection = PointsSection()
+    wheel: PointsSection = PointsSection.model_construct()
     """Files of wheels."""
-    rail: PointsSection = PointsSection()
+    rail: PointsSection = PointsSection.model_construct()
     """Files of rails."""
 
     def reading(self) -> AbstractContextManager[None]:
