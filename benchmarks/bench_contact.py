@@ -61,7 +61,7 @@ def bare(strips, n, reps, shape, work, side_by_side, cells):  # type: ignore[no-
         for i in range(n):
             total += strip_potential(strips[i].a, strips[i].s)
         if side_by_side:
-            on = Rolling(strips, n, Flexibilities(1e-12, 1e-12, 1e-12), 1.0, shape, work, work[:0])
+            on = Rolling(strips, n, Flexibilities(1e-12, 1e-12, 1e-12), 1.0, shape, work, work[:0], work[:0])
             fastsim(on, Creepages(1e-4, 1e-4, 0.0), 1.0)
             continue
         for i in range(n):

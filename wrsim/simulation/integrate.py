@@ -288,7 +288,8 @@ class Integration:
             reason = self.monitor(self._time(k), q, q_t)
             if reason:
                 return self._stop("monitor", reason)
-            if self._parts_needed() > self._parts or self._parts_needed() == 1 < self._parts:
+            parts = self._parts_needed()
+            if parts > self._parts or parts == 1 < self._parts:
                 return False  # the segment goes on in shorter steps, or in whole ones
         if self.progress is not None:
             now = time.perf_counter()

@@ -17,7 +17,6 @@ from wrsim.analysis.motion.messages import Derailment, Event, EventKind, end_wor
 from wrsim.analysis.motion.phase_error import PhaseError
 from wrsim.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.contact.status import bits_of
-from wrsim.jit.arena import record
 from wrsim.simulation.integrate import EXPLICIT_PARTS
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.step_size import STEPS_OF_A_PERIOD, growing_modes
@@ -48,11 +47,7 @@ KINDS: dict[float, EventKind] = {
 MANY = 20  # looks in a row with steps cut, after which the run warns while it lasts: it takes many times as long
 SLOWEST = 4 * EXPLICIT_PARTS // 2  # evaluations of the forces in a step taken by RK44 over those of a usual one
 
-SLIP, GIVEN = 0.02, 0.99
-"""An axle is driven or braked beyond adhesion where its slip is more than this part of the speed, creep forces are at
-their limit long before, or where slip control gives less than this part of the requested moment; ..."""
-
-SLIP_DISTANCE = 1.0  # ... and reported where that lasts for longer than this [m]
+SLIP_DISTANCE = 1.0  # slip beyond adhesion is reported where it lasts for longer than this [m]
 SAME = 1.0  # events of one kind and place of the vehicle that follow each other within this distance are one [m]
 MISSED = 0.05  # part of the mean wheel load beyond which a force that samples or steps miss is reported
 PEAK_ERROR = 0.01  # error of a peak of force that a chosen step leaves, as a part of it or of the mean wheel load
@@ -61,28 +56,13 @@ PAUSE = 0.5
 """Least time between two looks for motions that grow [s]; what grows by less than e until the next one is left to it.
 They are looked for where a vertical force bends by more than ``MISSED`` from look to look: calm wheels cost nothing."""
 
-GROWTH = record("""
-    longest   [s]  longest step that resolves the growing oscillation
-    looked    [s]  time of the last look for it
-    bend      [N]  second difference of the force there
-    finds     [1]  number of looks at which something grew
-    frequency [Hz] frequency of what grows
-    wheel     [1]  number of its wheel
-    force     [N]  vertical force of that wheel at the last step
-    passed    [s]  time of its last upward passage of the mean load
-    cycles    [1]  number of cycles from one passage to the next
-    cycling   [s]  duration of these in all
-""")
-"""A growing oscillation of a wheel."""
-
 STRIKE = np.pi / 12.0
 """Error of a peak of force over its second difference from step to step. A trapezoidal rule such as generalised alpha
 makes a vibration A cos(w t) slower by the part (w h)^2 / 12, half a period later off by pi (w h)^2 / 12 A; the second
 difference is (w h)^2 A."""
 
-CYCLES, LONGEST_CYCLE = 10, 3.0
-"""Cycles that tell the frequency of an oscillation; periods of the growing motion beyond which two passages of the mean
-load do not belong to one cycle: contacts that open make it slower by some 30 %."""
+CYCLES = 10
+"""Cycles that tell the frequency of an oscillation."""
 
 FINER_STEPS = (1e-3, 5e-4, 2.5e-4, 1e-4, 5e-5)
 """Steps that are recommended [s]: whole parts of a millisecond, and so of most sample intervals."""
@@ -103,9 +83,14 @@ class Monitor:
         """Records WATCH: the geometry of every wheel, and its vertical force between samples."""
         self._wheels = law.workspace.buffer, law.workspace.index[FIRST_WHEEL:]
         elements = law.vehicle.elements
-        self.stops = [(i, e.limits, e.travel_place) for i, e in enumerate(elements) if e.limits]
+        stops = [(i, e.travel_place, e.limits) for i, e in enumerate(elements) if e.limits]
         normals = [None if e.slider is None else e.slider.normal for e in elements]
-        self.pressed = np.array([i for i, n in enumerate(normals) if n is not None and n.sense is None], dtype=int)
+        loose = [(i, -1, (0.0, 0.0)) for i, n in enumerate(normals) if n is not None and n.sense is None]
+        axles = law.axles if law.driven else law.axles[:0]
+        places = np.array([row[:2] for row in stops + loose], dtype=np.int64).reshape(-1, 2)
+        self.marked = [*((STOP, i) for i, _, _ in stops), *((LOOSE, i) for i, _, _ in loose)]
+        self.marked += [(SPINS, i) for i in range(len(axles))]
+        """Kinds and places of what is marked at a look."""
         self.notes = np.zeros((0, 9))
         """Rows (kind, which wheel or element, `WatchedWheel.end_of_profile` or -1, time, distance, last of both, time
         and way without contact)."""
@@ -115,29 +100,27 @@ class Monitor:
         """Vertical forces at the last two looks [N]."""
         self.last = np.full(2, np.nan)
         """Time [s] and distance [m] of the last look."""
-        self.growing = np.zeros(1, GROWTH)
+        self.growing = np.zeros(1, kernel.GROWTH)
         self._growth = self.growing.view(np.recarray)[0]
         self._growth.longest, self._growth.looked = np.inf, -np.inf
+        self._bends, self._marks = np.zeros(len(self.wheels)), np.zeros(len(self.marked), np.int64)
+        limits = np.array([row[2] for row in stops + loose]).reshape(-1, 2)
+        self._looks = (
+            MISSED * self.mean_load if law.on_sleepers is None else np.inf, PAUSE, self.watched, self.growing,
+            self.looked, self._bends, self.last, self.last_contact, places, limits, self._marks, law.elements,
+            law.readings, axles, *self._wheels,
+        )  # fmt: skip
 
     @property
     def longest_step(self) -> float:
         """The longest step that resolves what grows and what swings across [s], infinite where nothing does."""
-        return min(float(self._growth.longest), self.phase_error.longest_step)
+        return min(float(self.growing["longest"][0]), self.phase_error.longest_step)
 
     def step(self, t: float, sampled: bool) -> None:
         """After every step, at the law's last evaluation; sampled: whether its state is stored."""
-        kernel.watch_step(t, self.law.distance, sampled, self.watched, *self._wheels)
+        kernel.watch_step(t, self.law.distance, sampled, self.mean_load, self.watched, self.growing, *self._wheels)
         if self.phase_error.step:
             self.phase_error.add(t, self.watched["lateral"].copy())
-        growth = self._growth
-        if growth.finds:
-            force = self.watched["last"][int(growth.wheel)]
-            if growth.force < self.mean_load <= force:
-                period = t - growth.passed
-                if period * growth.frequency < LONGEST_CYCLE:  # else it has been calm
-                    growth.cycles, growth.cycling = growth.cycles + 1.0, growth.cycling + period
-                growth.passed = t
-            growth.force = force
 
     def __call__(self, t: float, q: Array, q_t: Array) -> str | None:
         outcome = self.look(t, q, q_t)
@@ -147,31 +130,16 @@ class Monitor:
         """What ends the run, if anything; notes what else there is."""
         self.law.at(t, q, q_t, WITHIN)
         distance = self.law.distance
-        ending: Derailment | None = None
-        off = self.last_contact[:, 0] < self.last[0]
-        if kernel.all_on_rails(self.watched, *self._wheels):
-            self.last_contact[:] = t, distance
-        else:
-            ending = self._look_at_wheels(t, distance)
-        self._look_for_growth(t, q, q_t, distance)
-        share = 0.5 * off + 0.5 * (self.last_contact[:, 0] < t)  # in the air at both ends of the time between two looks
-        for i in np.flatnonzero(share).tolist():
-            if (row := self._same(LIFT, i, -1)) >= 0 and np.isfinite(self.last[0]):
-                self.notes[row, 7:] += share[i] * (np.array([t, distance]) - self.last)
+        remarks = kernel.look(t, distance, *self._looks)
+        ending = self._look_at_wheels(t, distance) if remarks & kernel.WHEELS else None
         self.last[:] = t, distance
+        if remarks & kernel.GROWS:
+            self._look_for_growth(t, q, q_t, distance)
         if ending is not None and ending.kind == "derailed":
             ending = self._resolved(ending, distance)
-        for i, limits, place in self.stops:
-            if not limits[0] <= self.law.records[i, place] <= limits[1]:
-                self._note(STOP, i, t, distance)
-        for i in self.pressed.tolist():
-            row = self.law.elements[i]
-            if np.dot(row.load.tolist(), self.law.records[row.normal, :3]) <= 0.0:
-                self._note(LOOSE, i, t, distance)
-        for i, axle in enumerate(self.law.axles if self.law.driven else ()):
-            less = axle.requested != 0.0 and axle.moment / axle.requested < GIVEN
-            if less or (axle.requested != 0.0 and abs(axle.slip) > SLIP * abs(axle.speed)):
-                self._note(SPINS if axle.requested > 0.0 else SLIDES, i, t, distance)
+        for kind, i in (self.marked[k] for k in np.flatnonzero(self._marks)) if remarks & kernel.PARTS else ():
+            slides = kind == SPINS and self.law.axles[i].requested < 0.0
+            self._note(SLIDES if slides else kind, i, t, distance)
         if self.work.cut_steps > self.cut_steps:
             self._note(STEPS, 0, t, distance)
             self._warn_of_cuts(t, distance)
@@ -182,20 +150,12 @@ class Monitor:
 
     def _look_for_growth(self, t: float, q: Array, q_t: Array, distance: float) -> None:
         """Note an oscillation that grows at the wheel that is the most restless, and the step that resolves it."""
-        forces = self.watched["last"].copy()
-        bend = np.abs(self.looked[0] - 2.0 * self.looked[1] + forces)
-        self.looked[:] = self.looked[1], forces
-        most = float(np.fmax.reduce(bend, initial=0.0))
         growth = self._growth
-        again = t - growth.looked >= PAUSE or most > 2.0 * growth.bend  # what grows doubles soon
-        if most <= MISSED * self.mean_load or not again or self.law.on_sleepers is not None:
-            return
-        growth.looked, growth.bend = t, most
         modes = growing_modes(self.law, self.law.bodies, q, q_t, t, PAUSE)
         if not modes.size:
             return
         if not growth.finds:
-            growth.wheel = np.nanargmax(bend)
+            growth.wheel = np.nanargmax(self._bends)
             self._note(SWINGS, int(growth.wheel), t, distance)
         self.notes[self.notes[:, 0] == SWINGS, 5:7] = t, distance
         growth.finds, growth.frequency = growth.finds + 1.0, modes[0].imag / (2.0 * np.pi)
@@ -212,7 +172,7 @@ class Monitor:
     def _look_at_wheels(self, t: float, distance: float) -> Derailment | None:
         """What ends the run at a wheel; notes lifted wheels and the remarks of contacts."""
         ending: Derailment | None = None
-        too_deep = 0
+        too_deep, off = 0, self.last_contact[:, 0] < self.last[0]
         for i, (wheel, watch) in enumerate(zip(self.wheels, self.watched, strict=True)):
             ending = ending or self._look_at(i, wheel, t, distance)
             status, substitutes = wheel.status, wheel.model.arrays.substitutes
@@ -223,6 +183,10 @@ class Monitor:
                 flags |= STATUS_NOT_CONVERGED
             for bit in bits_of(flags):
                 self._note(bit, i, t, distance, wheel.nearest_end() if bit == STATUS_PROFILE_END else -1)
+        share = 0.5 * off + 0.5 * (self.last_contact[:, 0] < t)  # in the air at both ends of the time between two looks
+        for i in np.flatnonzero(share).tolist():
+            if (row := self._same(LIFT, i, -1)) >= 0 and np.isfinite(self.last[0]):
+                self.notes[row, 7:] += share[i] * (np.array([t, distance]) - self.last)
         return ending or (overlap(self.wheels) if too_deep else None)
 
     def _warn_of_cuts(self, t: float, distance: float) -> None:

@@ -75,7 +75,7 @@ SEGMENT_EXACT = 5  # steps between two checkpoints with the exact contact solver
 
 CALLED = (
     vehicle_forces.vehicle_forces, derivative.add_differences, implicit_step.predict, implicit_step.estimate,
-    implicit_step.update, implicit_step.set_jacobian, implicit_step.end_step, watch.watch_step, watch.all_on_rails,
+    implicit_step.update, implicit_step.set_jacobian, implicit_step.end_step, watch.watch_step, watch.look,
     watch.add_phase_error, kinematics.is_near, kinematics.first_not_finite, kinematics.place_on_track,
     kinematics.poses_along, rigid_body.follow_together, rigid_body.together_inertia, path_kernels.frame_at,
     path_kernels.frame_rates, sampling.forces_in_turn, equations.block_of, locus.outline, wheel_forces.one_wheel,

@@ -46,13 +46,42 @@ WATCH = record("""
 """)
 """Geometry of a wheel, and its vertical force between samples."""
 
+GROWTH = record("""
+    longest   [s]  longest step that resolves the growing oscillation
+    looked    [s]  time of the last look for it
+    bend      [N]  second difference of the force there
+    finds     [1]  number of looks at which something grew
+    frequency [Hz] frequency of what grows
+    wheel     [1]  number of its wheel
+    force     [N]  vertical force of that wheel at the last step
+    passed    [s]  time of its last upward passage of the mean load
+    cycles    [1]  number of cycles from one passage to the next
+    cycling   [s]  duration of these in all
+""")
+"""A growing oscillation of a wheel."""
+
+LONGEST_CYCLE = 3.0
+"""Periods of the growing motion beyond which two passages of the mean load do not belong to one cycle: contacts that
+open make it slower by some 30 %."""
+
+SLIP, GIVEN = 0.02, 0.99
+"""An axle is driven or braked beyond adhesion where its slip is more than this part of the speed, creep forces are at
+their limit long before, or where slip control gives less than this part of the requested moment."""
+
+WHEELS, GROWS, PARTS = 1, 2, 4
+"""Remarks of `look`: a wheel is not on its rail, was not at the last look, or its contact has a remark; motions that
+grow are to be looked for; elements or axles are marked."""
+
 PATCHES = Arrays._fields.index("patches")
 
 
 @kernel
-def watch_step(t: float, distance: float, sampled: bool, watched: Records, buffer: Array, index: Ints) -> None:
-    """After a step: take the wheels' vertical forces into the peaks between samples and the largest second difference;
-    sampled: this is a sample."""
+def watch_step(
+    t: float, distance: float, sampled: bool, mean_load: float, watched: Records, growing: Records, buffer: Array,
+    index: Ints,
+) -> None:  # fmt: skip
+    """After a step: take the wheels' vertical forces into the peaks between samples, the largest second difference and
+    the cycles of a growing oscillation (a record GROWTH) about the mean load [N]; sampled: this is a sample."""
     for i in range(watched.shape[0]):
         watch, total = watched[i], wheel_total(buffer, index, i)
         force = total.Fb
@@ -82,6 +111,63 @@ def watch_step(t: float, distance: float, sampled: bool, watched: Records, buffe
                 watch.beyond, watch.force = below, watch.least
                 watch.time, watch.distance = watch.least_at, watch.least_s
         watch.sample, watch.sampled, watch.most, watch.least = force, 1, -float("inf"), float("inf")
+    growth = growing[0]
+    if growth.finds > 0.0:
+        force = watched[int(growth.wheel)].last
+        if growth.force < mean_load <= force:
+            period = t - growth.passed
+            if period * growth.frequency < LONGEST_CYCLE:  # else it has been calm
+                growth.cycles, growth.cycling = growth.cycles + 1.0, growth.cycling + period
+            growth.passed = t
+        growth.force = force
+
+
+@kernel
+def look(
+    t: float, distance: float, bend_limit: float, pause: float, watched: Records, growing: Records, looked: Array,
+    bends: Array, last: Array, last_contact: Array, stops: Ints, limits: Array, marks: Ints, elements: Records,
+    readings: Array, axles: Records, buffer: Array, index: Ints,
+) -> int:  # fmt: skip
+    """What a look at the last evaluation has to note, as a sum of remarks.
+
+    bend_limit [N]: second difference of a wheel's force from look to look, into ``bends``, beyond which growing motions
+    are to be looked for, after a pause [s] or where it has doubled. looked (2, wheels): forces at the last two looks;
+    last: time and distance of the last one; last_contact (wheels, 2): of every wheel on its rail. stops (n, 2): element
+    and place in its reading with limits (n, 2), place -1: slider with a normal force. marks: 1 for each of these at its
+    end, or loose, and each axle beyond adhesion.
+    """
+    remarks, most, growth = 0, 0.0, growing[0]
+    for i in range(watched.shape[0]):
+        force = watched[i].last
+        bends[i] = abs(looked[0, i] - 2.0 * looked[1, i] + force)
+        looked[0, i], looked[1, i] = looked[1, i], force
+        if bends[i] > most:  # not where there was no look yet
+            most = bends[i]
+        if last_contact[i, 0] < last[0]:
+            remarks = WHEELS
+    if not all_on_rails(watched, buffer, index):
+        remarks = WHEELS
+    if remarks == 0:
+        for i in range(watched.shape[0]):
+            last_contact[i, 0], last_contact[i, 1] = t, distance
+    if most > bend_limit and (t - growth.looked >= pause or most > 2.0 * growth.bend):  # what grows doubles soon
+        growth.looked, growth.bend = t, most
+        remarks |= GROWS
+    for k in range(marks.size):
+        marks[k] = 0
+        if k >= stops.shape[0]:
+            axle = axles[k - stops.shape[0]]
+            if axle.requested != 0.0:
+                marks[k] = axle.moment / axle.requested < GIVEN or abs(axle.slip) > SLIP * abs(axle.speed)
+        elif stops[k, 1] >= 0:
+            marks[k] = not limits[k, 0] <= readings[stops[k, 0], stops[k, 1]] <= limits[k, 1]
+        else:
+            row = elements[stops[k, 0]]
+            force = readings[row.normal]
+            marks[k] = row.load.x * force[0] + row.load.y * force[1] + row.load.z * force[2] <= 0.0
+        if marks[k] != 0:
+            remarks |= PARTS
+    return remarks
 
 
 @kernel
