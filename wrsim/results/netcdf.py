@@ -195,8 +195,9 @@ def parts_of(variable: Any) -> Iterator[tuple[int, NDArray[Any]]]:
     where it begins."""
     row = variable.dtype.itemsize * math.prod(variable.shape[1:])
     rows = PART // CHUNK * max(CHUNK // max(row, 1), 1)
-    for begin in range(0, variable.shape[0] if variable.ndim else 0, rows):
-        yield begin, np.asarray(variable[begin : begin + rows])
+    count = variable.shape[0] if variable.ndim else 0
+    for begin in range(0, count, rows):
+        yield begin, np.asarray(variable if count <= rows else variable[begin : begin + rows])
 
 
 def _chunk(variable: xr.Variable) -> tuple[int, ...]:

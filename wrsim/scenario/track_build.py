@@ -200,7 +200,7 @@ def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, 
     start, which is a steady motion on even track; words for these."""
     places = np.array([plan.start + mounted.x for mounted in vehicle.wheelsets])
     front, back = max(part.centre[0] for part in vehicle.parts), min(part.centre[0] for part in vehicle.parts)
-    track = replace(track, reach=plan.end + max(front, vehicle.foremost) + BEYOND)
+    track = _up_to(track, plan.end + max(front, vehicle.foremost) + BEYOND)
     unevens = [curve.irregularity for curve in (track.left_curve, track.right_curve)]
     slopes = [np.abs(jet[1]).max() for uneven in unevens for jet in (uneven.lateral(places), uneven.vertical(places))]
     if plan.end <= plan.start or max(slopes) == 0.0:
@@ -208,6 +208,12 @@ def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, 
     length = max(TABLE_FADE, front - back)
     message = f"fade in over {length:g} m from {places.max():.6g} m on: the run starts within them, from steady motion"
     return track.faded(float(places.max()), length), message
+
+
+@lru_cache(maxsize=2)
+def _up_to(track: Track, reach: float) -> Track:
+    """The track as far as a distance [m]; runs of a study that go as far share its tables."""
+    return replace(track, reach=reach)
 
 
 def support_text(track: Track, default: bool, rollers: RollersSection | None) -> str:

@@ -59,6 +59,7 @@ class VehicleOnTrack(Layout):
 
     compiled = True
     """Whether the kernel gives all forces, so that `forces_in_turn` may take many states."""
+    _origin: tuple[Any, Array] = np.nan, np.zeros(0)
 
     def __init__(
         self,
@@ -261,7 +262,10 @@ class VehicleOnTrack(Layout):
     def _near(self, origin: float | Array) -> Array:
         """The row of ``places`` for a place as ``set_search_start`` takes it."""
         if np.ndim(origin) == 0:
-            return self.places(float(origin) + np.array([m.x for m in self.vehicle.wheelsets]))  # type: ignore[arg-type]
+            if origin != self._origin[0]:
+                distances = float(origin) + np.array([m.x for m in self.vehicle.wheelsets])  # type: ignore[arg-type]
+                self._origin = origin, self.places(distances)
+            return self._origin[1]
         return np.asarray(origin)
 
     def search_starts(self, places: Array) -> Array:

@@ -70,7 +70,7 @@ class Polynomials:
     def __call__(self, s: ArrayLike, order: int = 0) -> Array:
         """Value or a derivative at s; beyond the ends that of the first or the last piece."""
         s = np.asarray(s, dtype=float)
-        i = np.clip(np.searchsorted(self.x, s, "right") - 1, 0, len(self.x) - 2)
+        i = self.x[1:-1].searchsorted(s, "right")
         return np.asarray(np.polyval(self.derivative(order).c[:, i], s - self.x[i]))
 
 
@@ -127,7 +127,7 @@ class Piecewise:
         """Value (derivative = 0), slope (1) or second derivative (2) at s; shape of s."""
         if self.is_zero:
             return np.zeros(np.shape(s))
-        return np.asarray(self.pieces(np.clip(s, self.breaks[0], self.end), derivative))
+        return np.asarray(self.pieces(np.minimum(np.maximum(s, self.breaks[0]), self.end), derivative))
 
     def jet(self, s: ArrayLike) -> Jet:
         """Value, slope and second derivative at s, each of its shape."""

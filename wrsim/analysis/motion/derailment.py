@@ -10,6 +10,7 @@ And what acts on a vehicle as a whole: how hard it is pushed aside, and whether 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,6 +139,7 @@ def contact_words(wheels: Sequence[WatchedWheel], statuses: Sequence[int] | None
     return "; ".join(f"{wheel.label}: {message}" for wheel, message in pairs if message)
 
 
+@lru_cache(maxsize=32)
 def flange_tip(wheel: Profile) -> tuple[float, float] | None:
     """(u, w) of the lowest point of the flange [m]; None for a wheel without a flange."""
     u, w = wheel.at(np.linspace(0.0, wheel.length, 2001))
@@ -148,6 +150,7 @@ def flange_tip(wheel: Profile) -> tuple[float, float] | None:
     return float(u[lowest]), float(w[lowest])
 
 
+@lru_cache(maxsize=32)
 def gauge_face(rail: Profile) -> float:
     """Outward coordinate of the gauge point of a rail profile [m], of its inner end if it has none."""
     try:
