@@ -20,6 +20,7 @@ from wrsim.plots.histories import vehicle_figures
 from wrsim.scenario.build import build
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.steady_state import TOLERANCE, SteadyMotion, steady_state
+from wrsim.simulation.step_size import eigenvalues, growing_modes
 
 TRAIN = (SCENARIOS.parent / "models/trains/manchester_3.toml").read_text(encoding="utf-8")
 LENGTH, PIVOTS = 26.4, 19.0
@@ -114,6 +115,19 @@ def test_the_ends_of_vehicles_swing_through_an_s_curve_as_chords_do(tmp_path: Pa
     overhang = ((0.5 * LENGTH) ** 2 - (0.5 * PIVOTS) ** 2) / (2.0 * 190.0)
     assert np.abs(offset).max() < 2.0 * overhang  # the two ends lie on opposite sides at most
     assert np.abs(d["coupling_force"].values).max() < 500.0
+
+
+def test_fast_modes_of_a_train_are_those_of_each_vehicle_between_neighbours_that_stand_still(tmp_path: Path) -> None:
+    """Above 20 Hz wheelsets and bogies move; couplings act on the carbodies, which take part by some 1e-5."""
+    track = {"track.segments": [straight(300.0)], "run.start_distance_m": 90.0}
+    setup = build(scenario(tmp_path, ("count = 3", "count = 2"), **track))
+    law = force_law(setup)
+    state = law, law.bodies, *start_state(setup, law), 0.0
+    whole = eigenvalues(*state)
+    decaying = growing_modes(*state, -1.0)  # by e and more in 1 s
+    expected = whole[(whole.imag > 2.0 * np.pi * 20.0) & (whole.real < -1.0)]
+    assert len(decaying) == len(expected) > 20
+    assert max(np.abs(expected - value).min() / abs(value) for value in decaying) < 1e-4
 
 
 def test_modes_of_a_train_that_hardly_anything_couples_are_those_of_each_vehicle(tmp_path: Path) -> None:

@@ -103,6 +103,10 @@ class ForceLaw:
         """The blocks whose sum the law is; empty if it is one piece."""
         return ()
 
+    def coordinates_of_units(self, alone: bool = False) -> Sequence[NDArray[np.intp]]:
+        """Places of the unknowns of every vehicle in a row; alone: without those of couplings."""
+        return ()
+
     def preserve_state(self) -> AbstractContextManager[None]:
         """Calls while this lasts do not change the state of the law, and are sharp enough for differences."""
         return nullcontext()

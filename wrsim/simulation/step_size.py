@@ -131,26 +131,34 @@ def round_step(step: float, largest: float = LARGEST_STEP) -> float:
     return 1e-3 / int(np.ceil(1e-3 / min(step, largest) - 1e-9))
 
 
-def eigenvalues(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float = 0.0) -> Array:
+def eigenvalues(
+    forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float = 0.0, by_unit: bool = False
+) -> Array:
     """Eigenvalues (complex, 12 per body, 2 per damper in series with a spring) [1/s] of the motion about a state.
 
-    Without the gyroscopic terms of the spin (some rad/s): this is for the fast modes that limit the step.
+    Without the gyroscopic terms of the spin (some rad/s): this is for the fast modes that limit the step. by_unit: of
+    every vehicle of a train while its neighbours stand still, in a time that grows with their number, not its cube.
     """
-    n = len(q)
     from wrsim.simulation.bodies import mass_matrix
     from wrsim.simulation.force_law import force_derivative
 
     derivatives = [force_derivative(forces, q, q_t, len(bodies), t, *by) for by in ((1.0, 0.0), (0.0, 1.0))]
-    matrix = np.zeros((2 * n, 2 * n))
-    matrix[:n, n:] = np.eye(n)
-    matrix[n:] = np.linalg.solve(mass_matrix(bodies, q), np.hstack(derivatives))
-    return np.asarray(np.linalg.eigvals(matrix))
+    mass, values = mass_matrix(bodies, q), []
+    units = forces.coordinates_of_units(alone=True) if by_unit and forces.units > 1 else [np.arange(len(q))]
+    for unit in units:
+        n, places = len(unit), np.ix_(unit, unit)
+        matrix = np.zeros((2 * n, 2 * n))
+        matrix[:n, n:] = np.eye(n)
+        matrix[n:] = np.linalg.solve(mass[places], np.hstack([derivative[places] for derivative in derivatives]))
+        values.append(np.linalg.eigvals(matrix))
+    return np.concatenate(values)
 
 
 def growing_modes(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float, within: float) -> Array:
     """Eigenvalues (n,) [1/s] of oscillations about a state that grow by e within a time [s], the fastest growth first,
-    and that some step of this module is too long for: longer than a part of ``STEPS_OF_A_PERIOD`` of the period."""
-    values = eigenvalues(forces, bodies, q, q_t, t)
+    and that some step of this module is too long for: longer than a part of ``STEPS_OF_A_PERIOD`` of the period. Those
+    of a train are fast beside the motion of bodies on couplings."""
+    values = eigenvalues(forces, bodies, q, q_t, t, by_unit=True)
     fast = values.imag > 2.0 * np.pi / (STEPS_OF_A_PERIOD * LONGEST)
     growing = values[fast & (values.real * within > 1.0)]
     return np.asarray(growing[np.argsort(-growing.real)])
