@@ -158,8 +158,10 @@ def main() -> None:
     # a hundred thousand lasting objects of libraries are looked through again and again otherwise: a second of a run
     gc.set_threshold(50_000, 20, 100)
     atexit.register(gc.freeze)  # nor at the end, where it takes half a second
-    if sys.argv[1:2] == ["run"]:
-        sys.modules["dask"] = None  # type: ignore[assignment]  # xarray asks of all numbers whether they are its arrays
+    named = [each for each in app.registered_commands if each.name in sys.argv[1:2]]
+    app.registered_commands = named or app.registered_commands  # the options of all others take time to read
+    if sys.argv[1:2] == ["run"]:  # xarray and pandas ask of all numbers whether they are theirs
+        sys.modules.update(dict.fromkeys(("dask", "pyarrow")))  # type: ignore[arg-type]
     console.show_progress()
     try:
         with usage_as_json("--json" in sys.argv[1:]) as standalone:
