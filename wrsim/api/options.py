@@ -75,7 +75,7 @@ Budget: TypeAlias = Annotated[
     float | None,
     Option(
         "Residuals of the strip model a wheel and evaluation, shared in a step, to bound its time; default any.",
-        least=2.0,
+        least=3.0,
     ),
 ]
 Models: TypeAlias = Annotated[Sequence[str | Path], Option("Folder with your model files; may be repeated.", "DIR")]

@@ -6,8 +6,8 @@ stability analyses as a remark at the speed; an overlap ends a run and is no ste
 
 from wrsim.contact.model import MOST_STRIPS
 from wrsim.contact.records import (
+    STATUS_COARSE,
     STATUS_DISCONTINUOUS,
-    STATUS_FOLLOWED,
     STATUS_LOAD_UNSOLVED,
     STATUS_NO_CONTACT,
     STATUS_NOT_CONVERGED,
@@ -31,7 +31,7 @@ WORDS = {
     STATUS_PROFILE_END: "contact reaches the end of a profile, which is continued straight there",
     STATUS_TOO_DEEP: f"wheel and rail overlap by more than {1e3 * DEEPEST:g} mm",
     STATUS_NOT_CONVERGED: "the strip model was not solved: the forces are those of Kik and Piotrowski's",
-    STATUS_FOLLOWED: "the budget of the strip model was spent: the last contact is followed",
+    STATUS_COARSE: "the budget of the strip model was spent: half as many strips, or a larger residual",
     STATUS_NO_CONTACT: "no contact at any height: the wheel is beside its rail",
     STATUS_OUT_OF_REACH: "the load is not reached within the approach allowed",
     STATUS_DISCONTINUOUS: "no equilibrium: the contact force is discontinuous at this load",

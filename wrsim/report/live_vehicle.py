@@ -18,7 +18,7 @@ from wrsim.assessment.limits import LimitContext
 from wrsim.assessment.rules import USUAL, rule_set
 from wrsim.contact.library.build import compiler_for
 from wrsim.contact.models import NORMAL_MODELS
-from wrsim.contact.records import LOBE, STATUS_FOLLOWED, STRIP
+from wrsim.contact.records import LOBE, STATUS_COARSE, STRIP
 from wrsim.plots.theme import pressure_map
 from wrsim.report.live import live_page
 from wrsim.report.view_data import BEYOND, PATH_STEP, centre_line, outline_points, packed, vehicle_shapes
@@ -155,7 +155,7 @@ def _assumed(setup: Setup[RunPlan], bench: Stepper) -> str:
     return (
         f"{setup.vehicle.name}; contact: {setup.contact.normal}, {setup.contact.creep_forces}; rails: {support}; "
         f"step {1e3 * bench.step_size:g} ms with two iterations; start: the steady motion of the scenario. "
-        f"{(line := bench.budget_line) and f'{line} (status {STATUS_FOLLOWED}). '}"
+        f"{(line := bench.budget_line) and f'{line} (status {STATUS_COARSE}). '}"
         "*: limit from memory of the standard"
     )
 

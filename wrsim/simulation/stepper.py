@@ -35,12 +35,12 @@ UNITS = {
 MEMORY_NOW, MEMORY_LATER = 1, 2  # flags of mlockall, alike on all systems that have it
 
 
-class Followed(NamedTuple):
-    """Contacts of strips that were followed rather than solved, since the budget was spent."""
+class Coarse(NamedTuple):
+    """Contacts of strips that the budget was too small for: half as many strips, or a larger residual."""
 
     steps: int  # in which there was any
     contacts: int  # of all evaluations of all wheels
-    residual: float  # largest that was left, over the deepest penetration
+    unsolved: int  # of these: forces of Kik and Piotrowski's model
     most: float  # that the strips took in a step, in residuals of one grid
 
 
@@ -90,8 +90,8 @@ class Stepper:
         views[kernel.INVERSE][:] = np.linalg.inv(matrix)
         views[kernel.SEEN]["distance"] = [law.start + part.centre[0] for part in law.vehicle.parts]
         self.inputs, self.outputs = _inputs(law), _outputs(law)
-        self.tried: Followed | None = None
-        """What was followed when the step was tried over a run."""
+        self.tried: Coarse | None = None
+        """What was coarse when the step was tried over a run."""
         self._observe()
 
     def step(self, count: int = 1) -> None:
@@ -130,7 +130,7 @@ class Stepper:
 
     @property
     def budget_line(self) -> str:
-        """The budget of a step, and what a trial has followed, in one line; "" without strips and without a budget."""
+        """The budget of a step, and what it was too small for in a trial, in one line; "" without strips or budget."""
         memos = [wheel.model.arrays.rows.memo for pair in self.law.wheels for wheel in pair]
         if self._record.budget == np.inf or not any(len(memo) and memo[0].grids for memo in memos):
             return ""
@@ -138,16 +138,15 @@ class Stepper:
         if self.tried is None:
             return line
         return (
-            f"{line}; over the run {self.tried.steps} steps followed contacts rather than solved them, which left "
-            f"{self.tried.residual:.2g} of the deepest penetration at most"
+            f"{line}; over the run {self.tried.steps} steps had coarse contacts, {self.tried.contacts} in all, and "
+            f"{self.tried.unsolved} by Kik and Piotrowski's model"
         )
 
     @property
-    def followed(self) -> Followed:
-        """What was followed rather than solved, in all steps."""
-        record = self._record
-        steps, contacts = int(record.followed_steps), int(record.all_followed)
-        return Followed(steps, contacts, float(record.most_left), float(record.most_work))
+    def coarse(self) -> Coarse:
+        """What the budget was too small for, in all steps."""
+        r = self._record
+        return Coarse(int(r.coarse_steps), int(r.all_coarse), int(r.all_unsolved), float(r.most_work))
 
     def __repr__(self) -> str:
         named = f"{len(self.inputs)} inputs, {len(self.outputs)} outputs"
@@ -231,7 +230,7 @@ def _outputs(law: VehicleOnTrack) -> dict[str, Array]:
     views, vehicle = law.whole.views, law.vehicle
 
     def views_by_name() -> Iterator[tuple[str, Array]]:
-        yield from ((f"contacts.{name}", views[kernel.STEP_RECORD][name]) for name in ("followed", "left"))
+        yield from ((f"contacts.{name}", views[kernel.STEP_RECORD][name]) for name in ("coarse", "unsolved"))
         for i, part in enumerate(vehicle.parts):
             for name in outputs.BODY_SEEN.names:
                 yield f"{part.name}.{name}_{UNITS[name]}", views[kernel.SEEN][name][i : i + 1]

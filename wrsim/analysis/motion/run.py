@@ -65,8 +65,8 @@ fastest mode w of the vehicle on its rails is that of a rail's mass under its wh
 grows with the cube root of the load."""
 SHRUNK = 10.0  # by how much shorter than usual a chosen step of RK44 is reported
 BENCH_STEP, BENCH_ITERATIONS, BENCH_LONGEST = 1e-3, 2, 5e-3  # of vehicles that others move on step by step [s]
-LEAST_BUDGET = 2.0
-"""Residuals of the strip model a wheel and evaluation: one at the solution, and one behind a correction."""
+LEAST_BUDGET = 3.0
+"""Residuals of the strip model a wheel and evaluation: half of the strips of one grid step to a contact near by."""
 HELD, HELD_SHARE, HALVINGS = 0.01, 0.95, 4
 """A step of a `stepper` holds where in so large a share of the steps of a run at most so much of the weight is left
 without balance. One that is too long leaves as much as the weight in a tenth of them and more."""
@@ -167,7 +167,7 @@ def stepper(
         Evaluations of the forces in a step.
     budget : float
         Residuals of the strip model a wheel and evaluation [1], which all of a step share; inf: any number. Contacts
-        that it leaves unsolved are followed, see `Stepper.followed`.
+        that it is too small for are coarser, see `Stepper.coarse`.
 
     Returns
     -------
@@ -216,7 +216,7 @@ def holding_stepper(scenario: Scenario, step: float | None = None, budget: float
         duration = duration or build(scenario).plan.duration
         if _holds(bench, round(duration / step)):
             chosen = stepper(scenario, step, budget=budget)
-            chosen.tried = bench.followed
+            chosen.tried = bench.coarse
             return chosen
     raise SimulationError(
         f"{scenario.title}: no step down to {1e3 * BENCH_STEP / 2**HALVINGS:g} ms holds with {BENCH_ITERATIONS}"

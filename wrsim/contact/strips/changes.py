@@ -96,18 +96,22 @@ def move_edges(system: System, n: int, g: int, start: float, end: float) -> None
 
 
 @kernel
-def carry_over(system: System, n: int) -> bool:
-    """Lay the last contact over other grids: between its strips half lengths and factors are read straight. False if
-    none of them comes to lie under enough strips."""
+def carry_over(system: System, m: int, n: int) -> bool:
+    """Lay the last contact of m strips a grid over other grids, or over n strips: between its strips half lengths and
+    factors are read straight. False if none of the grids comes to lie under enough strips."""
     memo, places, v = system.memo[0], system.places, system.vectors
     x, s, start, end, squares, factors = v[V.X], v[V.BEFORE], v[V.NEXT], v[V.LAST_STEP], v[V.F], v[V.STEP]
     count = 0
-    for i in range(memo.grids_before * n):
-        base = i // n * block_of(n) + i % n
+    for i in range(memo.grids_before * m):
+        base = i // m * block_of(m) + i % m
         if x[base] > 0.0:
             s[count], start[count], end[count] = places[i].s, places[i].lo, places[i].hi
-            squares[count], factors[count] = x[base], x[base + n]
+            squares[count], factors[count] = x[base], x[base + m]
             count += 1
+    for g in range(memo.grids):  # the same grids keep their middles
+        for k in range(MIDDLES):
+            old = x[edges_of(m, g) + EDGES + k] if memo.grids == memo.grids_before else 0.0
+            start[count + g * MIDDLES + k] = old
     x[: memo.grids * block_of(n)] = 0.0
     memo.inverted = 0
     carried = False
@@ -121,6 +125,7 @@ def carry_over(system: System, n: int) -> bool:
         if grid.active:
             carried = True
             x[e], x[e + 1] = max(start[first], grid.least), min(end[last], grid.most)
+            copy(MIDDLES, start[count + g * MIDDLES :], x[e + EDGES :])
             hold_edges(grid, x[e], x[e + 1])
     place_strips(system, n)
     for g in range(memo.grids):
@@ -129,9 +134,10 @@ def carry_over(system: System, n: int) -> bool:
             place, base = places[g * n + j], g * block_of(n) + j
             while c < count - 2 and s[c + 1] < place.s:
                 c += 1
-            z = min(max((place.s - s[c]) / (s[c + 1] - s[c]), 0.0), 1.0)
-            x[base] = squares[c] + z * (squares[c + 1] - squares[c])
-            x[base + n] = factors[c] + z * (factors[c + 1] - factors[c])
+            z = min(max((place.s - s[c]) / (s[c + 1] - s[c]), -0.5), 1.5)  # to the edges: half a strip beyond
+            least = 0.1 * min(squares[c], squares[c + 1])
+            x[base] = max(squares[c] + z * (squares[c + 1] - squares[c]), least)
+            x[base + n] = factors[c] + min(max(z, 0.0), 1.0) * (factors[c + 1] - factors[c])
     return carried
 
 

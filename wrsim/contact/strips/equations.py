@@ -170,12 +170,17 @@ def set_conditions(system: System, n: int, g: int, j: int, points: int) -> None:
 
 
 @inlined
-def residual_price(system: System) -> float:
-    """What a residual takes: all strips in contact act on all of them, at two points or three."""
-    count = 0
-    for g in range(system.memo[0].grids):
-        count += system.grids[g].active
-    return (1.0 + 0.5 * system.memo[0].has_shifts) * count**2
+def residual_price(system: System, n: int) -> float:
+    """What a residual takes: half of it strips take by themselves, half the strips that act on them, at two points or
+    three."""
+    memo, grids = system.memo[0], system.grids
+    size = n / memo.all_strips
+    price = 0.0
+    for g in range(memo.grids):
+        for h in range(memo.grids if grids[g].active else 0):
+            price += 0.5 * size * size * int(fading(system, h, g) > 0.0)
+        price += 0.5 * size * grids[g].active
+    return (1.0 + 0.5 * memo.has_shifts) * price
 
 
 @kernel
@@ -185,7 +190,7 @@ def residuals(system: System, n: int) -> float:
     memo, places, grids = system.memo[0], system.places, system.grids
     out = system.vectors[V.F]
     memo.iterations += 1
-    memo.work += residual_price(system)
+    memo.work += residual_price(system, n)
     place_strips(system, n)
     largest = 0.0
     block, points = block_of(n), 2 + memo.has_shifts  # outer points are alike where shifts do not count

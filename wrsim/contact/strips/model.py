@@ -12,13 +12,13 @@ solution grids are cut at the saddles, so every lobe has its strips and no resul
 
 from math import inf, pi, sqrt
 
-from wrsim.contact.records import COLD_START, STATUS_FOLLOWED, STATUS_NOT_CONVERGED, PlacedWheel, Rail, WheelPose
+from wrsim.contact.records import COLD_START, STATUS_COARSE, STATUS_NOT_CONVERGED, PlacedWheel, Rail, WheelPose
 from wrsim.contact.resultants import set_creepages, set_pressures
 from wrsim.contact.strips.equations import clamp_edges, edges_of
 from wrsim.contact.strips.grid import opposite, row_below
 from wrsim.contact.strips.grid_layout import set_grids
 from wrsim.contact.strips.records import ROWS, System, V
-from wrsim.contact.strips.solution import MAX_FOLLOWED, solve
+from wrsim.contact.strips.solution import solve, step_price
 from wrsim.jit import Record, Records, inlined, kernel
 
 MAX_EXCESS = 1 / 54  # of a strip's pressure over that of the surface: Hertz' on three strips, the least with a bend
@@ -45,11 +45,13 @@ def solve_pressure(
     if memo.traction_pass > 0:
         _set_lateral_forces(system, strips)
     status = set_grids(system, contacts, pose, count)
-    known = memo.grids_before > 0 and _same_grids(system, n)
+    memo.all_strips = n
+    known = memo.grids_before > 0 and _same_grids(system, memo.laid)
     memo.strips = solve(system, n, known, state.tolerance)
-    status |= STATUS_FOLLOWED if memo.followed else 0
-    goes_on = memo.strips == n if memo.followed == 0 else memo.followed < MAX_FOLLOWED
+    status |= STATUS_COARSE if memo.left > 0.0 or (memo.strips < n and memo.budget < inf) else 0
+    goes_on = memo.strips == memo.laid or memo.left > 0.0
     memo.grids_before = memo.grids if goes_on else 0
+    memo.reserve = step_price(system, n // 2)
     for i in range(count):
         lobes[i].n_strips = 0
     if memo.strips == 0:

@@ -8,7 +8,7 @@ accurate. What changes the equations (strips that leave and enter, edges that co
 one.
 """
 
-from math import inf, sqrt
+from math import sqrt
 
 from wrsim.contact.strips.changes import activate, deactivate_grid, trim_edges
 from wrsim.contact.strips.derivatives import jacobian
@@ -41,7 +41,7 @@ DROP_SIZE = 1e-4  # a^2/R_x over the deepest penetration below which they may at
 CHECK_RESIDUAL = 1e-3  # residual at which the active set is checked
 PREDICTION_SAFETY = 2.0  # of the predicted residual
 NO_RESIDUAL = 1e9  # residual of a last step that says nothing of the next
-JACOBIAN_PRICE = 7.0  # of one with its inverse, in residuals of the same contact: 4.7 to 7.8 were measured
+JACOBIAN_PRICE = 4.0  # of one with its inverse, in residuals of the same contact, for each grid
 
 
 @kernel
@@ -55,7 +55,8 @@ def newton(system: System, n: int, tolerance: float) -> bool:
     active_set_checked = full_step = False  # full_step: the last step was one by the kept inverse, of full length
     if memo.inverted:
         _predict(system, n)
-    if not affords(system, 0):
+    if not affords(system, n, 0):
+        memo.left = 1.0
         return False
     residual = residuals(system, n)
     for _ in range(MAX_STEPS):
@@ -64,22 +65,22 @@ def newton(system: System, n: int, tolerance: float) -> bool:
             if activate(system, n):
                 active_set_checked = full_step = False
                 memo.inverted = 0
-                memo.left = inf
                 last = NO_RESIDUAL
-                if not affords(system, 0):
+                if not affords(system, n, 0):
+                    memo.left = 1.0
                     return False
                 residual = residuals(system, n)
                 continue
         if residual < tolerance:
             return True
         renewed = memo.inverted == 0 or residual > REFRESH_RATIO * last
-        _keep_best(system, n, residual)
-        if not affords(system, int(renewed)):
+        if not affords(system, n, int(renewed)):
+            memo.left = residual
             return False
         if renewed:
             jacobian(system, n)
             invert(system.matrix, memo.unknowns, vectors[V.PIVOT])
-            _count_jacobian(system)
+            _count_jacobian(system, n)
             memo.inverted = 1
             memo.rate = 1.0
             full_step = False
@@ -99,7 +100,6 @@ def newton(system: System, n: int, tolerance: float) -> bool:
         residual = residuals(system, n)
         if changed:
             memo.inverted = 0
-            memo.left = inf
             active_set_checked = False
         if not full_step:
             last = NO_RESIDUAL if residual < last else last  # where it grows, the inverse is too old
@@ -157,7 +157,8 @@ def descend(system: System, n: int, tolerance: float) -> bool:
     _set_scale(system, n)
     memo.inverted = 0
     active_set_checked = False
-    if not affords(system, 0):
+    if not affords(system, n, 0):
+        memo.left = 1.0
         return False
     residual = residuals(system, n)
     for _ in range(MAX_STEPS):
@@ -165,19 +166,19 @@ def descend(system: System, n: int, tolerance: float) -> bool:
             active_set_checked = True
             if activate(system, n):
                 active_set_checked = False
-                memo.left = inf
-                if not affords(system, 0):
+                if not affords(system, n, 0):
+                    memo.left = 1.0
                     return False
                 residual = residuals(system, n)
                 continue
         if residual < tolerance:
             return True
-        _keep_best(system, n, residual)
-        if not affords(system, 1):
+        if not affords(system, n, 1):
+            memo.left = residual
             return False
         jacobian(system, n)
         factorise(system.matrix, memo.unknowns, vectors[V.PIVOT])
-        _count_jacobian(system)
+        _count_jacobian(system, n)
         length = _solve(system)
         _expand_step(system, n)
         copy(size, vectors[V.X], vectors[V.SAVED])
@@ -186,12 +187,14 @@ def descend(system: System, n: int, tolerance: float) -> bool:
             changed, _full_step = _take_step(system, n, share, residual < DROP_RESIDUAL)
             after = residuals(system, n)
             if changed:
-                memo.left = inf
                 active_set_checked = False
                 break
             if _solve(system) <= (1.0 - 0.25 * share) * length:
                 break
-            if halving == MAX_HALVINGS or not affords(system, 0):
+            if halving == MAX_HALVINGS:
+                return False
+            if not affords(system, n, 0):
+                memo.left = after
                 return False
             share *= 0.5
             copy(size, vectors[V.SAVED], vectors[V.X])
@@ -200,26 +203,27 @@ def descend(system: System, n: int, tolerance: float) -> bool:
 
 
 @inlined
-def affords(system: System, jacobians: int) -> bool:
-    """Whether the budget has room for so many Jacobians and a residual behind them."""
+def affords(system: System, n: int, jacobians: int) -> bool:
+    """Whether the budget has room for so many Jacobians, that leave what they must, and a residual behind them."""
     memo = system.memo[0]
-    return memo.work + (1.0 + jacobians * JACOBIAN_PRICE) * residual_price(system) <= memo.budget
+    price = residual_price(system, n) + jacobians * (jacobian_price(system, n) + memo.spare)
+    return memo.work + price <= memo.budget
 
 
 @inlined
-def _count_jacobian(system: System) -> None:
+def jacobian_price(system: System, n: int) -> float:
+    """What a Jacobian with its inverse takes: the inverse grows with the cube of the grids in contact."""
+    grids = 0
+    for g in range(system.memo[0].grids):
+        grids += system.grids[g].active
+    return JACOBIAN_PRICE * grids * residual_price(system, n)
+
+
+@inlined
+def _count_jacobian(system: System, n: int) -> None:
     """Take a Jacobian into what this call has done."""
     system.memo[0].factorisations += 1
-    system.memo[0].work += JACOBIAN_PRICE * residual_price(system)
-
-
-@inlined
-def _keep_best(system: System, n: int, residual: float) -> None:
-    """With a budget: keep the contact of the least residual since strips, edges or grids came or went."""
-    memo, vectors = system.memo[0], system.vectors
-    if memo.budget < inf and residual < memo.left:
-        memo.left = residual
-        copy(memo.grids * block_of(n), vectors[V.X], vectors[V.LAST_SOLUTION])
+    system.memo[0].work += jacobian_price(system, n)
 
 
 @kernel

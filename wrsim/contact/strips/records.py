@@ -96,7 +96,9 @@ MEMO = record("""
     rate            [1]    share of the residual that one of the worst of the last steps left
     budget          [1]    residuals of one grid that calls may take from when ``work`` is 0; inf: any number
     work            [1]    those taken, Jacobians by their price
-    left            [1]    residual of the best contact of a call with a budget, over the deepest penetration
+    reserve         [1]    what half as many strips take to follow the last contact
+    spare           [1]    what a Jacobian leaves of the budget
+    left            [1]    residual of a contact that the budget left unsolved, over the deepest penetration; 0: solved
     stiffness       [Pa]   pi E*
     modulus         [Pa]   E*
     transverse      [1]    nu/(1 - nu)
@@ -113,8 +115,10 @@ MEMO = record("""
     unknowns        [int]  unknowns that are solved for
     iterations      [int]  residuals taken in this call
     factorisations  [int]  Jacobians made in this call
+    all_strips      [int]  strips of a grid that are asked for
+    laid            [int]  strips of a grid that the unknowns belong to
+    unsolved        [int]  residuals of calls in a row that the budget left without a solution
     strips          [int]  strips of a grid that it was solved with; 0: it was not
-    followed        [int]  0: solved; else followed, as the budget was spent: calls in a row that brought it no nearer
     substitutes     [int]  calls so far that have no solution
 """)
 """State of the whole system, from call to call."""
@@ -143,7 +147,7 @@ class VectorRows(NamedTuple):
     NB: int  # upward components; 1 where angles do not count
     SIDE: int  # lateral over normal force
     LIFT: int  # SIDE times nu/(1 - nu)
-    LAST_SOLUTION: int  # unknowns of the last solution of a continuation, or the best ones of a call with a budget
+    LAST_SOLUTION: int  # unknowns of the last solution of a continuation, or of the one with half as many strips
     TILT: int  # derivatives of a strip's ``tilt``
     BEFORE: int  # two numbers of each strip from before its grid is placed anew
     WEIGHTED: int  # last step times the weights of its unknowns

@@ -14,21 +14,18 @@ from wrsim.contact.strips.changes import (
     in_contact,
     initialise_grid,
 )
-from wrsim.contact.strips.equations import block_of, edges_of, hold_edges, place_strips, set_fading
+from wrsim.contact.strips.equations import block_of, edges_of, hold_edges, place_strips, residual_price, set_fading
 from wrsim.contact.strips.grid_layout import MIN_DEPTH
 from wrsim.contact.strips.hertz import hertz_ellipse
-from wrsim.contact.strips.newton import CHECK_RESIDUAL, DROP_RESIDUAL, affords, descend, newton
+from wrsim.contact.strips.newton import CHECK_RESIDUAL, DROP_RESIDUAL, MAX_STEPS, descend, jacobian_price, newton
 from wrsim.contact.strips.records import EDGES, ROWS, System, V
-from wrsim.jit import Record, Records, kernel
+from wrsim.jit import Record, Records, inlined, kernel
 from wrsim.jit.dense import copy
 
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 ROUND_OFF = 1e-15  # of penetrations: points lie some decimetres from the origin [m]
 START_DEPTH = 0.7  # of the deepest penetration: a grid that is in contact to begin with
 LEVELS = 0.0, MIN_DEPTH, 0.3  # of a grid's depth: where contact ends in first guesses; in the first one as Hertz's does
-PROGRESS = 0.5  # of the residual that the last call left
-MAX_FOLLOWED = 8  # calls in a row that left more than that, before a contact that is followed starts cold
-TRUSTED = 0.1  # residual of a contact that is followed
 MIN_COUPLING_STEP = 1 / 32  # of the coupling of grids, at which a solution is given up
 MAX_RESIDUALS = 1500  # no fewer strips are tried from then on: more than any of a million random poses takes
 
@@ -38,36 +35,71 @@ def solve(system: System, n: int, known: bool, tolerance: float) -> int:
     """Solve; known: the unknowns are those of a contact near by, solved to the tolerance. Returns the number of strips
     of a grid that have a solution: n or fewer; 0 if none down to half of n have one, or MAX_RESIDUALS found none.
 
-    With a budget below that the last contact is carried over to other grids; what it has become when the budget is
-    spent counts, and the next call goes on from there."""
+    With a budget below that half as many strips are solved for where it does not suffice for all."""
     memo = system.memo[0]
-    row, before = memo.followed, memo.left if memo.followed else tolerance
-    if known and before > CHECK_RESIDUAL:  # the last contact was followed: its inverse is of no use
-        _scale(system, n)
-        memo.inverted = 0
-    memo.iterations = memo.factorisations = memo.followed = 0
-    memo.left = inf
-    bounded = memo.budget < MAX_RESIDUALS
+    memo.iterations = memo.factorisations = 0
+    memo.left = 0.0
     for g in range(memo.grids):
         system.grids[g].entries = 0
-    if bounded and not known and memo.grids_before > 0:
-        known = carry_over(system, n)
-    if known and _converges(system, n, tolerance):
+    if memo.budget < MAX_RESIDUALS:
+        return _solve_within(system, n, known, tolerance)
+    if known and memo.laid == n and _converges(system, n, tolerance):
         return n
-    if bounded and known and not affords(system, 1):
-        return _follow(system, n, before, row)
-    memo.left = inf
-    strips = n
+    memo.laid = strips = n
     while strips > n // 2 and memo.iterations < MAX_RESIDUALS:
         for level in LEVELS:
-            if _solve_at_once(system, strips, level):
+            if _solve_at_once(system, strips, level, TOLERANCE):
                 return strips
-        if bounded:
-            return _follow(system, n, 1.0, 0)
         if _solve_one_by_one(system, strips):
             return strips
         strips -= 1
     return 0
+
+
+@inlined
+def step_price(system: System, n: int) -> float:
+    """What a contact near by takes to CHECK_RESIDUAL: a Jacobian, and three residuals, as steps from DROP_RESIDUAL
+    leave .06 each."""
+    return 3.0 * residual_price(system, n) + jacobian_price(system, n)
+
+
+@kernel
+def _solve_within(system: System, n: int, known: bool, tolerance: float) -> int:
+    """Solve within the budget: as usual, but each Jacobian leaves what half as many strips take; else with these to
+    CHECK_RESIDUAL, and with all of them from there, if that is affordable. What is left unsolved is a contact below
+    DROP_RESIDUAL, and the next call goes on with it."""
+    memo, half, before = system.memo[0], n // 2, system.memo[0].laid
+    if known and before == n:
+        memo.spare = step_price(system, half)
+        solved = _converges(system, n, tolerance) or 0.0 < memo.left < CHECK_RESIDUAL
+        memo.spare = 0.0
+        if solved:
+            return n
+    memo.laid = half
+    if not known or before == n:
+        known = memo.grids_before > 0 and carry_over(system, before, half)
+    memo.left = 0.0
+    solved = known and memo.unsolved < MAX_STEPS and _converges(system, half, CHECK_RESIDUAL)
+    for level in LEVELS:
+        solved = solved or (memo.left == 0.0 and _solve_at_once(system, half, level, CHECK_RESIDUAL))
+    if not solved:
+        memo.unsolved = (memo.unsolved if memo.unsolved < MAX_STEPS else 0) + memo.iterations
+        memo.left = memo.left if _touches(system, half) and memo.left <= 1.0 else 0.0  # 1: no contact leaves as much
+        return half if 0.0 < memo.left < DROP_RESIDUAL else 0
+    memo.unsolved = 0
+    if memo.work + 2.0 * step_price(system, n) > memo.budget:
+        return half
+    copy(memo.grids * block_of(half), system.vectors[V.X], system.vectors[V.LAST_SOLUTION])
+    memo.grids_before = memo.grids
+    carry_over(system, half, n)
+    if _converges(system, n, tolerance) or 0.0 < memo.left < CHECK_RESIDUAL:
+        memo.laid = n
+        return n
+    memo.left = 0.0
+    copy(memo.grids * block_of(half), system.vectors[V.LAST_SOLUTION], system.vectors[V.X])
+    _set_active_set(system, half)
+    memo.inverted = 0
+    return half
 
 
 @kernel
@@ -111,33 +143,6 @@ def _converges(system: System, n: int, tolerance: float) -> bool:
     if not newton(system, n, max(tolerance, ROUND_OFF / system.memo[0].deepest)):
         return False
     return _touches(system, n)
-
-
-@kernel
-def _follow(system: System, n: int, before: float, row: int) -> int:
-    """Take the best contact of this call for its solution. Returns n, or 0 if it is none. before: what the last call
-    left; row: calls in a row that left nearly as much."""
-    memo, vectors = system.memo[0], system.vectors
-    if memo.left < inf:
-        copy(memo.grids * block_of(n), vectors[V.LAST_SOLUTION], vectors[V.X])
-    else:
-        memo.left = before
-    memo.left = min(memo.left, 1.0)
-    _set_active_set(system, n)
-    memo.followed = (row + 1 if memo.left > PROGRESS * before else 1) * int(_touches(system, n))
-    return n if memo.followed and memo.left < TRUSTED else 0
-
-
-@kernel
-def _scale(system: System, n: int) -> None:
-    """Let squares of half lengths grow with the penetration since the last contact, as Hertz's do."""
-    before = system.vectors[V.BEFORE]
-    for i in range(system.memo[0].grids * n):
-        before[i] = system.places[i].d
-    place_strips(system, n)
-    for i in range(system.memo[0].grids * n):
-        if system.grids[i // n].active and before[i] > 0.0:
-            system.vectors[V.X, i // n * block_of(n) + i % n] *= min(max(system.places[i].d / before[i], 0.5), 2.0)
 
 
 @kernel
@@ -224,14 +229,14 @@ def _clear(system: System, n: int) -> None:
 
 
 @kernel
-def _solve_at_once(system: System, n: int, level: float) -> bool:
+def _solve_at_once(system: System, n: int, level: float, tolerance: float) -> bool:
     """Solve for all grids at once from Hertz's ellipses, or from all rows above a level. True if that works."""
     memo = system.memo[0]
     _clear(system, n)
     for g in range(memo.grids):
         if system.grids[g].deepest >= START_DEPTH * memo.deepest:
             _first_guess(system, n, g, level)
-    return descend(system, n, DROP_RESIDUAL) and _converges(system, n, TOLERANCE)
+    return descend(system, n, DROP_RESIDUAL) and _converges(system, n, tolerance)
 
 
 @kernel

@@ -10,13 +10,13 @@ a small part of the residual.
 
 from math import cos, inf, isfinite, sin, sqrt
 
-from wrsim.contact.records import STATUS_FOLLOWED
+from wrsim.contact.records import STATUS_COARSE, STATUS_NOT_CONVERGED
 from wrsim.jit import Array, Ints, Record, Records, kernel, matrix, record, records
 from wrsim.jit.dense import multiply
 from wrsim.vehicle.dynamics.kinematics import HEADING, X, Y
 from wrsim.vehicle.dynamics.rigid_body import INERTIA, mass_block, quadratic_forces
 from wrsim.vehicle.dynamics.vehicle_forces import FIRST_WHEEL, vehicle_forces
-from wrsim.vehicle.dynamics.wheel_forces import ARRAYS, memo_of, reserve, wheel_record
+from wrsim.vehicle.dynamics.wheel_forces import ARRAYS, memo_of, reserve, share, wheel_record
 
 STEP = record("""
     h           [s]   step
@@ -31,13 +31,13 @@ STEP = record("""
     budget      [1]   what the strips of all wheels may take in a step (``strips.newton``); inf: anything
     work        [1]   what they took in this step
     most_work   [1]   most of these so far
-    followed    [1]   contacts of this step that were followed rather than solved, as often as they were evaluated
-    left        [1]   largest residual of these, over the deepest penetration
-    most_left   [1]   largest of these so far
+    coarse      [1]   contacts of this step that the budget was too small for, as often as they were evaluated
+    unsolved    [1]   of these: without a solution of the strip model
     iterations  [int] number of iterations of a step
     steps       [int] number of steps done
-    followed_steps [int] number of steps in which contacts were followed
-    all_followed   [int] number of contacts that were
+    coarse_steps [int] number of steps in which contacts were coarse
+    all_coarse   [int] number of contacts that were
+    all_unsolved [int] number of contacts that were unsolved
 """)
 
 Q, Q_T, Q_TT, A, LAST, FORCES, RESIDUAL, CORRECTION, INVERTED_AT = range(9)
@@ -80,7 +80,7 @@ def advance(buffer: Array, index: Ints) -> int:
     step.steps += 1
     time = step.steps * h
     status = 0
-    step.work = step.followed = step.left = 0.0
+    step.work = step.coarse = step.unsolved = 0.0
     for behind in range(step.iterations - 1, -1, -1):
         _begin(step, behind, buffer, vehicle[FIRST_WHEEL:])
         status = vehicle_forces(time, rows[Q], rows[Q_T], rows[FORCES], buffer, vehicle)
@@ -98,30 +98,33 @@ def advance(buffer: Array, index: Ints) -> int:
             rows[Q, i] -= step.q_of_q_tt * more
             rows[A, i] -= a_of_q_tt * more
     step.most = max(step.most, step.residual)
-    step.most_work, step.most_left = max(step.most_work, step.work), max(step.most_left, step.left)
-    step.all_followed += int(step.followed)
-    step.followed_steps += int(step.followed > 0.0)
+    step.most_work = max(step.most_work, step.work)
+    step.all_coarse += int(step.coarse)
+    step.all_unsolved += int(step.unsolved)
+    step.coarse_steps += int(step.coarse > 0.0)
     return status
 
 
 @kernel
 def _begin(step: Record, behind: int, buffer: Array, wheels: Ints) -> None:
-    """Give an evaluation its part of the budget: what is left but for what is reserved for ``behind`` more."""
+    """Give an evaluation its share of the budget; ``behind`` more follow in the step."""
     if wheels.shape[0] > 0:
-        part = step.budget - step.work - behind * reserve(buffer, wheels, False)
+        wheels_reserve = reserve(buffer, wheels)
+        part = share(step.budget - step.work, wheels_reserve, behind * wheels_reserve)
         wheel_record(buffer, wheels, 0).budget = max(part, LEAST)
 
 
 @kernel
 def _end(step: Record, buffer: Array, wheels: Ints) -> None:
-    """Take what an evaluation's contacts have taken and left into the step's."""
+    """Take what an evaluation's contacts have taken, and which it was not enough for, into the step's."""
     for i in range(wheels.shape[0] // ARRAYS):
         memo = memo_of(buffer, wheels, i)
         step.work += memo.work
         memo.budget = inf
-        if wheel_record(buffer, wheels, i).status & STATUS_FOLLOWED:
-            step.followed += 1.0
-            step.left = max(step.left, memo.left)
+        status = wheel_record(buffer, wheels, i).status
+        if status & STATUS_COARSE:
+            step.coarse += 1.0
+            step.unsolved += int(status & STATUS_NOT_CONVERGED != 0)
     if wheels.shape[0] > 0:
         wheel_record(buffer, wheels, 0).budget = 0.0
 

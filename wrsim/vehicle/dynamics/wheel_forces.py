@@ -13,7 +13,6 @@ its own arrays alone, so neither order nor threads change a bit.
 from wrsim.contact.arrays import ARRAYS as ARRAYS_OF_A_CONTACT
 from wrsim.contact.arrays import Arrays, call_of, results
 from wrsim.contact.records import CONTACT, WheelPose
-from wrsim.contact.strips.newton import JACOBIAN_PRICE
 from wrsim.contact.strips.records import MEMO
 from wrsim.jit import Array, Ints, Record, inlined, kernel, parallel, prange, record, records, stages, vector
 from wrsim.jit.frames import BODY, VECTOR, BodyMotion, CurveNodes, Frame, get_body, point_velocity, put, put_at
@@ -154,35 +153,34 @@ def one_wheel(buffer: Array, index: Ints) -> int:
 def in_turn(buffer: Array, index: Ints) -> int:
     """All wheels, one after the other. index: that of the first wheel and of all behind it.
 
-    With a budget each may take what is left but for what is reserved for those behind it.
+    With a budget each may take its `share`.
     """
     count = index.shape[0] // ARRAYS
     bounded = count > 0 and wheel_record(buffer, index, 0).budget > 0.0
-    left = wheel_record(buffer, index, 0).budget - reserve(buffer, index, True) if bounded else 0.0
+    left, behind = (wheel_record(buffer, index, 0).budget, reserve(buffer, index)) if bounded else (0.0, 0.0)
     for i in range(count):
         memo = memo_of(buffer, index, i)
         if bounded:
-            left += _reserve(memo, True)
-            memo.budget, memo.work = left, 0.0
+            behind -= memo.reserve
+            memo.budget, memo.work = share(left, memo.reserve, behind), 0.0
         stages.run(ONE_WHEEL, buffer, index[i * ARRAYS : (i + 1) * ARRAYS])
         left -= memo.work
     return OK
 
 
 @kernel
-def reserve(buffer: Array, index: Ints, recovers: bool) -> float:
-    """What of a budget is reserved for all wheels; see `_reserve`."""
+def reserve(buffer: Array, index: Ints) -> float:
+    """What of a budget is reserved for all wheels."""
     total = 0.0
     for i in range(index.shape[0] // ARRAYS):
-        total += _reserve(memo_of(buffer, index, i), recovers)
+        total += memo_of(buffer, index, i).reserve
     return total
 
 
 @inlined
-def _reserve(memo: Record, recovers: bool) -> float:
-    """A residual of a wheel's last grids; recovers: with a Jacobian and one more for a grid that is followed."""
-    residual = (1.0 + 0.5 * memo.has_shifts) * memo.grids**2
-    return residual * (2.0 + JACOBIAN_PRICE if recovers and memo.followed and memo.grids == 1 else 1.0)
+def share(left: float, reserve: float, behind: float) -> float:
+    """Share of what is left of a budget: all but what is reserved behind, or in proportion where that is too much."""
+    return left - behind * min(left / max(reserve + behind, 1e-30), 1.0)
 
 
 @inlined
