@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 from support import contacts
 from support.sweeps import jumps
@@ -10,6 +11,7 @@ from wrsim.contact.profiles.models import load_profile
 from wrsim.contact.profiles.sections import ProfileArc, profile_from_sections, rail_head
 from wrsim.contact.records import ProfileTable
 from wrsim.contact.search.locus import locus_point, outline
+from wrsim.contact.surfaces.distance_field import _nearest_cells
 from wrsim.contact.surfaces.profile_table import profile_point
 from wrsim.jit.root import Bracket, crossing, narrowed
 
@@ -58,6 +60,17 @@ def test_a_root_is_met_in_few_steps_where_one_end_of_its_bracket_stays(bent):
         rest, steps = bent(root * root), steps + 1
         bracket = narrowed(bracket, root, rest)
     assert root == pytest.approx(1.0, abs=1e-7) and steps < 20  # some 500 by chords alone
+
+
+def test_searches_begin_at_the_nearest_point_and_of_two_as_near_at_the_one_of_the_library() -> None:
+    rng = np.random.default_rng(3)
+    for counts in ((40, 25), (9, 60), (3, 3)):
+        first = np.full(counts, -1)
+        first.ravel()[rng.choice(first.size, first.size // 8, replace=False)] = np.arange(first.size // 8)
+        points = np.argwhere(first >= 0)[np.argsort(first[first >= 0])]
+        places = distance_transform_edt(first < 0, return_distances=False, return_indices=True)
+        cells = _nearest_cells(points.astype(float), (0.0, 0.0), counts, 1.0)
+        np.testing.assert_array_equal(cells.reshape(counts), first[tuple(places)])
 
 
 @SOME_PAIRS

@@ -337,6 +337,8 @@ def test_cases_of_a_study_share_what_is_the_same_for_them(tmp_path: Path) -> Non
     slow, fast = built({"vehicle.speed_kmh": 40.0}), built({"vehicle.speed_kmh": 60.0, "contact.friction": 0.2})
     alone = build(base.with_values({"vehicle.speed_kmh": 60.0, "contact.friction": 0.2}))
     assert fast.vehicle is slow.vehicle is not alone.vehicle and fast.rails is slow.rails is not alone.rails
+    assert fast.track is slow.track is not alone.track, "with its tables"
+    assert built({"run.distance_m": 50.0}).track.reach < slow.track.reach
     assert fast.attributes() == alone.attributes() and fast.files == alone.files
     assert fast.vehicle == alone.vehicle and fast.plan == alone.plan and fast.contact == alone.contact
     heavy = built({"vehicle.sprung_mass_kg": 1.1 * slow.vehicle.carried[0].mass})

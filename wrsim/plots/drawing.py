@@ -79,9 +79,9 @@ def in_all_kinds(figure: Figure) -> dict[str, bytes]:
 
 
 def _share(figures: Makers, paint: Paint, taken: Any) -> dict[str, Any]:
-    """Draw one picture after the other that neither process has taken yet."""
+    """Draw one picture after the other that neither process has taken yet: the last ones, which take longest, first."""
     drawn: dict[str, Any] = {}
-    for place, (name, make) in enumerate(figures.items()):
+    for place, (name, make) in enumerate(reversed([*figures.items()])):
         with taken.get_lock():
             mine = taken.value == place
             taken.value += mine
