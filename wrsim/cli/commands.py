@@ -161,7 +161,8 @@ def main() -> None:
     named = [each for each in app.registered_commands if each.name in sys.argv[1:2]]
     app.registered_commands = named or app.registered_commands  # the options of all others take time to read
     if sys.argv[1:2] == ["run"]:  # xarray and pandas ask of all numbers whether they are theirs
-        sys.modules.update(dict.fromkeys(("dask", "pyarrow")))  # type: ignore[arg-type]
+        for library in ("dask", "pyarrow"):
+            sys.modules.setdefault(library, None)  # type: ignore[arg-type]
     console.show_progress()
     try:
         with usage_as_json("--json" in sys.argv[1:]) as standalone:
