@@ -83,14 +83,13 @@ class Monitor:
         """Records WATCH: the geometry of every wheel, and its vertical force between samples."""
         self._wheels = law.workspace.buffer, law.workspace.index[FIRST_WHEEL:]
         elements = law.vehicle.elements
-        stops = [(i, e.travel_place, e.limits) for i, e in enumerate(elements) if e.limits]
+        stops = [(i, e.travel_place, *e.limits) for i, e in enumerate(elements) if e.limits]
         normals = [None if e.slider is None else e.slider.normal for e in elements]
-        loose = [(i, -1, (0.0, 0.0)) for i, n in enumerate(normals) if n is not None and n.sense is None]
+        loose = [(i, -1, 0.0, 0.0) for i, n in enumerate(normals) if n is not None and n.sense is None]
         axles = law.axles if law.driven else law.axles[:0]
-        places = np.array([row[:2] for row in stops + loose], dtype=np.int64).reshape(-1, 2)
-        self.marked = [*((STOP, i) for i, _, _ in stops), *((LOOSE, i) for i, _, _ in loose)]
+        self.marked = [(STOP, row[0]) for row in stops] + [(LOOSE, row[0]) for row in loose]
         self.marked += [(SPINS, i) for i in range(len(axles))]
-        """Kinds and places of what is marked at a look."""
+        """Kinds and places of what a look marks."""
         self.notes = np.zeros((0, 9))
         """Rows (kind, which wheel or element, `WatchedWheel.end_of_profile` or -1, time, distance, last of both, time
         and way without contact)."""
@@ -104,11 +103,10 @@ class Monitor:
         self._growth = self.growing.view(np.recarray)[0]
         self._growth.longest, self._growth.looked = np.inf, -np.inf
         self._bends, self._marks = np.zeros(len(self.wheels)), np.zeros(len(self.marked), np.int64)
-        limits = np.array([row[2] for row in stops + loose]).reshape(-1, 2)
         self._looks = (
             MISSED * self.mean_load if law.on_sleepers is None else np.inf, PAUSE, self.watched, self.growing,
-            self.looked, self._bends, self.last, self.last_contact, places, limits, self._marks, law.elements,
-            law.readings, axles, *self._wheels,
+            self.looked, self._bends, self.last, self.last_contact, np.array(stops + loose, float).reshape(-1, 4),
+            self._marks, law.elements, law.readings, axles, *self._wheels,
         )  # fmt: skip
 
     @property

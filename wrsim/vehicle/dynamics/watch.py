@@ -125,31 +125,34 @@ def watch_step(
 @kernel
 def look(
     t: float, distance: float, bend_limit: float, pause: float, watched: Records, growing: Records, looked: Array,
-    bends: Array, last: Array, last_contact: Array, stops: Ints, limits: Array, marks: Ints, elements: Records,
-    readings: Array, axles: Records, buffer: Array, index: Ints,
+    bends: Array, last: Array, last_contact: Array, stops: Array, marks: Ints, elements: Records, readings: Array,
+    axles: Records, buffer: Array, index: Ints,
 ) -> int:  # fmt: skip
     """What a look at the last evaluation has to note, as a sum of remarks.
 
     bend_limit [N]: second difference of a wheel's force from look to look, into ``bends``, beyond which growing motions
     are to be looked for, after a pause [s] or where it has doubled. looked (2, wheels): forces at the last two looks;
-    last: time and distance of the last one; last_contact (wheels, 2): of every wheel on its rail. stops (n, 2): element
-    and place in its reading with limits (n, 2), place -1: slider with a normal force. marks: 1 for each of these at its
-    end, or loose, and each axle beyond adhesion.
+    last: time and distance of the last one; last_contact (wheels, 2): of each wheel on its rail. stops (n, 4): element,
+    place in its reading, limits; place -1: slider with a normal force. marks: 1 for each of these at its end, or loose,
+    and each axle beyond adhesion.
     """
     remarks, most, growth = 0, 0.0, growing[0]
     for i in range(watched.shape[0]):
-        force = watched[i].last
-        bends[i] = abs(looked[0, i] - 2.0 * looked[1, i] + force)
-        looked[0, i], looked[1, i] = looked[1, i], force
+        watch, total = watched[i], wheel_total(buffer, index, i)
+        bends[i] = abs(looked[0, i] - 2.0 * looked[1, i] + watch.last)
+        looked[0, i], looked[1, i] = looked[1, i], watch.last
         if bends[i] > most:  # not where there was no look yet
             most = bends[i]
-        if last_contact[i, 0] < last[0]:
+        arrays = index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS]
+        patches, pressed, pose = records(buffer, arrays, PATCHES, LOBE), False, vector(buffer, arrays, POSE)
+        for j in range(total.lobes):
+            pressed = pressed or patches[j].N > 0.0
+        climbed = watch.flanged != 0 and pose[1] + watch.u * pose[4] + watch.reach * pose[5] > watch.face
+        solved = total.status == 0 and memo_of(buffer, index, i).substitutes <= watch.substitutes
+        if not (solved and pressed) or climbed or pose[2] - watch.level < watch.drop or last_contact[i, 0] < last[0]:
             remarks = WHEELS
-    if not all_on_rails(watched, buffer, index):
-        remarks = WHEELS
     if remarks == 0:
-        for i in range(watched.shape[0]):
-            last_contact[i, 0], last_contact[i, 1] = t, distance
+        last_contact[:, 0], last_contact[:, 1] = t, distance
     if most > bend_limit and (t - growth.looked >= pause or most > 2.0 * growth.bend):  # what grows doubles soon
         growth.looked, growth.bend = t, most
         remarks |= GROWS
@@ -159,33 +162,14 @@ def look(
             axle = axles[k - stops.shape[0]]
             if axle.requested != 0.0:
                 marks[k] = axle.moment / axle.requested < GIVEN or abs(axle.slip) > SLIP * abs(axle.speed)
-        elif stops[k, 1] >= 0:
-            marks[k] = not limits[k, 0] <= readings[stops[k, 0], stops[k, 1]] <= limits[k, 1]
+        elif stops[k, 1] >= 0.0:
+            marks[k] = not stops[k, 2] <= readings[int(stops[k, 0]), int(stops[k, 1])] <= stops[k, 3]
         else:
-            row = elements[stops[k, 0]]
-            force = readings[row.normal]
-            marks[k] = row.load.x * force[0] + row.load.y * force[1] + row.load.z * force[2] <= 0.0
+            load, force = elements[int(stops[k, 0])].load, readings[elements[int(stops[k, 0])].normal]
+            marks[k] = load.x * force[0] + load.y * force[1] + load.z * force[2] <= 0.0
         if marks[k] != 0:
             remarks |= PARTS
     return remarks
-
-
-@kernel
-def all_on_rails(watched: Records, buffer: Array, index: Ints) -> bool:
-    """True if every wheel carries a force, is on its rail, and its contact has been solved without a remark."""
-    for i in range(watched.shape[0]):
-        watch, total = watched[i], wheel_total(buffer, index, i)
-        arrays = index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS]
-        if total.status != 0 or memo_of(buffer, index, i).substitutes > watch.substitutes:
-            return False
-        patches, pressed = records(buffer, arrays, PATCHES, LOBE), False
-        for j in range(total.lobes):
-            pressed = pressed or patches[j].N > 0.0
-        pose = vector(buffer, arrays, POSE)
-        climbed = watch.flanged != 0 and pose[1] + watch.u * pose[4] + watch.reach * pose[5] > watch.face
-        if not pressed or climbed or pose[2] - watch.level < watch.drop:
-            return False
-    return True
 
 
 @kernel
