@@ -229,12 +229,6 @@ class VehicleOnTrack(Layout):
         """Whether any axle is driven or braked."""
         return self.drive == "wheels" or bool(self.vehicle.efforts)
 
-    @property
-    def load_forces(self) -> Array:
-        """Forces of the vehicle's loads (loads, 3) along their axes at the last evaluation [N]."""
-        forces = self._loads["force"][: len(self.vehicle.loads)]
-        return np.stack([forces[axis] for axis in "xyz"], axis=-1)
-
     def places(self, distances: Array) -> Array:
         """Rows for ``set_search_start`` (n, wheelsets, 3): distances of wheelsets (n, wheelsets) and on both rails."""
         flat = np.asarray(distances, dtype=float).ravel()
