@@ -24,9 +24,9 @@ import numpy as np
 from wrsim.results import write_atomically
 from wrsim.study.cluster import local_workers
 from wrsim.study.collect import collected, markers_of, write_study
-from wrsim.study.engine import execute, kinds, missing
+from wrsim.study.engine import execute, kinds
 from wrsim.study.plan import PLAN, Plan, planned
-from wrsim.study.task import Marker, compile_for, write_marker
+from wrsim.study.task import Marker, compile_for, missing, write_marker
 
 SCENARIO = Path(__file__).parents[1] / "scenarios" / "curve_r300.toml"
 

@@ -74,14 +74,8 @@ def test_the_package_and_its_commands_import_nothing_heavy() -> None:
 
 
 def test_a_run_imports_no_library_for_what_it_does_not_do(tmp_path: Path) -> None:
-    unused = [
-        "dask.array",
-        "scipy.ndimage",
-        "scipy.optimize",
-        "scipy.signal",
-        "scipy.sparse",
-        "scipy.special",
-        "scipy.stats",
+    unused = [f"scipy.{name}" for name in ("ndimage", "optimize", "signal", "sparse", "special", "stats")] + [
+        "dask.array"
     ]
     code = f"import atexit, sys, wrsim.cli\nprints = lambda: print(sorted(set({unused}) & set(sys.modules)))\n"
     program = [sys.executable, "-c", f"{code}atexit.register(prints)\nwrsim.cli.main()"]
@@ -92,10 +86,17 @@ def test_a_run_imports_no_library_for_what_it_does_not_do(tmp_path: Path) -> Non
 
 
 def test_without_the_extra_of_studies_a_wrong_value_is_told_not_the_extra(tmp_path: Path) -> None:
-    program = "import sys; sys.modules['cryptography'] = None; from wrsim.cli.commands import app; app()"
+    absent = "import sys; sys.modules |= dict.fromkeys(('cryptography', 'dask', 'pyarrow'))"
+    program = f"{absent}; from wrsim.cli.commands import app; app()"
     wrong = ["run", "scenarios/curve_r300.toml", "--set", "run.distance_m=-5", "-o", str(tmp_path / "x")]
     study = ["study", "scenarios/studies/friction_speed.toml", "-o", str(tmp_path / "y")]
-    for arguments, told in ((wrong, "run.distance_m = -5: must be"), (study, "pip install 'wrsim[study]'")):
+    other = ["run", "scenarios/optimisation/yaw_stiffness.toml", "-o", str(tmp_path / "z")]
+    kind = "is an optimisation (wrsim optimise)"
+    for arguments, told in (
+        (wrong, "run.distance_m = -5: must be"),
+        (study, "pip install 'wrsim[study]'"),
+        (other, kind),
+    ):
         done = subprocess.run(
             [sys.executable, "-c", program, *arguments], cwd=ROOT, capture_output=True, text=True, check=False
         )

@@ -31,10 +31,6 @@ class InputError(WrsimError):
         self.unknown = unknown
 
 
-class MissingPackage(InputError):
-    """Something was called for that needs a package of an extra which is not installed."""
-
-
 class SimulationError(WrsimError):
     """A run that stopped: derailment, no contact solution, not-a-number, no convergence. Exit code 3."""
 

@@ -20,7 +20,6 @@ from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.vehicle_build import given_value, vehicle_of
 from wrsim.study.changed_files import changed_in, write_scenario, write_vehicle, write_wheel
 from wrsim.study.collect import read_study
-from wrsim.study.engine import Work
 from wrsim.study.optimisation.outcome import (
     history,
     limits,
@@ -33,7 +32,7 @@ from wrsim.study.optimisation.outcome import (
 from wrsim.study.optimisation.reading import read_optimisation
 from wrsim.study.optimisation.search import Search
 from wrsim.study.plan import Plan
-from wrsim.study.task import COMPLETED, DERAILED
+from wrsim.study.task import COMPLETED, DERAILED, Work
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 ROOT = SCENARIOS.parent

@@ -11,8 +11,9 @@ from support.waiting import wait_until
 from test_study import plan_of, results
 
 from wrsim.study import cluster
-from wrsim.study.engine import execute, missing
+from wrsim.study.engine import execute
 from wrsim.study.pool import ONE_THREAD, Pool, WorkerDied
+from wrsim.study.task import missing
 
 
 def test_a_killed_process_is_started_again_and_the_study_has_the_numbers_of_one_left_alone(tmp_path, monkeypatch):

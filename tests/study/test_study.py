@@ -44,10 +44,10 @@ from wrsim.study.cluster import (
     workers_at,
 )
 from wrsim.study.collect import collected, markers_of, rows_of_cases
-from wrsim.study.engine import _note_killed, execute, missing
+from wrsim.study.engine import _note_killed, execute
 from wrsim.study.plan import PLAN, Plan, planned
 from wrsim.study.spec import GridAxis
-from wrsim.study.task import Marker, compile_for, run_case
+from wrsim.study.task import Marker, compile_for, missing, run_case
 
 
 def plan_of(file: Path, folder: Path) -> Plan:

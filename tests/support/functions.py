@@ -4,9 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from wrsim.study.engine import Work
 from wrsim.study.plan import Plan
-from wrsim.study.task import COMPLETED, Marker, write_marker
+from wrsim.study.task import COMPLETED, Marker, Work, write_marker
 
 POSE = """
 title = "Pose"

@@ -66,7 +66,7 @@ class _Computation:
     def run_missing(self, plan: Plan, retry: bool, noun: str) -> tuple[int, list[Marker]]:
         """Run the cases of a plan that have not come to an end; gives their number, and how all cases ended."""
         from wrsim.study.collect import markers_of
-        from wrsim.study.engine import missing
+        from wrsim.study.task import missing
 
         todo = missing(plan, retry)
         known = len(plan.cases) - len(todo)

@@ -7,7 +7,7 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import TypeAdapter, ValidationError
 
-from wrsim.errors import InputError, MissingPackage, nearest
+from wrsim.errors import InputError, nearest
 from wrsim.inputs.file_kinds import ENDINGS, FILES, FileKind, resolved
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, UNKNOWN, Section
@@ -77,7 +77,7 @@ def _classes_of(kind: FileKind) -> list[type[Section]]:
     """The classes of a kind of file; none where what its room needs is not installed."""
     try:
         return _classes(resolved(kind.place))
-    except (MissingPackage, ModuleNotFoundError):
+    except ModuleNotFoundError:
         return []
 
 

@@ -23,10 +23,9 @@ from wrsim.results import Result
 from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.vehicle_build import given_value, vehicle_of
 from wrsim.study.axes import AxisPoints
-from wrsim.study.engine import Work, missing
 from wrsim.study.plan import FileInput, Plan, Refused, value_text, with_cases
 from wrsim.study.spec import CasesSection, Keys, Name, OutputsSection, short_name
-from wrsim.study.task import COMPLETED, RESULT, Marker, read_marker
+from wrsim.study.task import COMPLETED, RESULT, Marker, Work, missing, read_marker
 
 SCENARIOS, ONLY = "scenarios", "scenario"
 """Folder of the scenarios; name of a scenario that is the only one."""

@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import Any
 
-from wrsim.errors import InputError, MissingPackage, WrsimError
+from wrsim.errors import InputError, WrsimError
 from wrsim.study.pool import ATTEMPTS, ONE_THREAD, Pool
 
 try:
@@ -31,7 +31,7 @@ try:
     from distributed.system import MEMORY_LIMIT
 except ModuleNotFoundError as error:
     fault = f"studies and other analyses of many runs need {error.name}: install it with pip install 'wrsim[study]'"
-    raise MissingPackage(fault) from None
+    raise InputError(fault) from None
 
 PLAIN_PROCESSES = sys.platform == "win32"
 """Whether workers of this machine are processes of a `Pool`: dask has not been shown to work there."""

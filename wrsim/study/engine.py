@@ -17,35 +17,16 @@ from wrsim.study import cluster, task
 from wrsim.study.cluster import Client, Future, KilledWorker, address_of, as_completed, check_threads
 from wrsim.study.plan import PLAN, Plan
 from wrsim.study.pool import ATTEMPTS, Call, Completed, Pool, WorkerDied
+from wrsim.study.task import Work
 from wrsim.system import processors
 
 LOGGER = logging.getLogger("wrsim.study")
 Bar = Callable[[], AbstractContextManager[Progress | None]]
 """Makes a progress bar, or none."""
-Work = Callable[[Plan, Sequence[int]], None]
-"""Writes a plan into its folder and runs some of its cases to their markers."""
 PAUSE = 1.0
 """Between two questions to the scheduler how many workers there are [s]."""
 AT_HAND = 2
 """Cases that a worker has: the one it runs, and the next."""
-
-
-def missing(plan: Plan, retry: bool = False) -> list[int]:
-    """Cases without a marker, or with other outputs than those of the plan; each name once.
-
-    retry: also those that failed, stopped or ran out of time; their markers are taken away.
-    """
-    todo: dict[str, int] = {}
-    for i, case in enumerate(plan.cases):
-        if case.name in todo:
-            continue
-        marker = task.read_marker(plan.folder_of(case))
-        if marker is not None and retry and marker.status not in (task.COMPLETED, task.DERAILED):
-            (plan.folder_of(case) / task.MARKER).unlink()
-            marker = None
-        if marker is None or not marker.is_done(plan) or marker.outputs != plan.outputs_digest:
-            todo[case.name] = i
-    return list(todo.values())
 
 
 def kinds(plan: Plan, cases: Sequence[int]) -> list[int]:

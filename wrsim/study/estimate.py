@@ -14,9 +14,9 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
 from wrsim.study.candidates import Candidates
 from wrsim.study.collect import MOST_LISTED, markers_of
-from wrsim.study.engine import kinds, missing
+from wrsim.study.engine import kinds
 from wrsim.study.plan import Plan
-from wrsim.study.task import COMPLETED, Marker, StopCase, compile_for
+from wrsim.study.task import COMPLETED, Marker, StopCase, compile_for, missing
 from wrsim.system import processors
 
 PROBES = 3

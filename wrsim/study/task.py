@@ -12,7 +12,7 @@ import faulthandler
 import os
 import platform
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -41,6 +41,10 @@ STATUSES = (COMPLETED, DERAILED, STOPPED, TIMED_OUT, FAILED)
 
 GRACE = 5.0
 """Time beyond its limit after which a case that does not answer loses its process [s]; and a tenth of the limit."""
+
+
+Work = Callable[[Plan, Sequence[int]], None]
+"""Writes a plan into its folder and runs some of its cases to their markers."""
 
 
 class StopCase(Exception):
@@ -110,6 +114,24 @@ def read_marker(folder: Path) -> Marker | None:
 def write_marker(folder: Path, marker: Marker) -> None:
     """The last thing that is done for a case. Raises ``WrsimError`` when it cannot be written."""
     write_atomically(folder / MARKER, as_json(vars(marker), indent=1))
+
+
+def missing(plan: Plan, retry: bool = False) -> list[int]:
+    """Cases without a marker, or with other outputs than those of the plan; each name once.
+
+    retry: also those that failed, stopped or ran out of time; their markers are taken away.
+    """
+    todo: dict[str, int] = {}
+    for i, case in enumerate(plan.cases):
+        if case.name in todo:
+            continue
+        marker = read_marker(plan.folder_of(case))
+        if marker is not None and retry and marker.status not in (COMPLETED, DERAILED):
+            (plan.folder_of(case) / MARKER).unlink()
+            marker = None
+        if marker is None or not marker.is_done(plan) or marker.outputs != plan.outputs_digest:
+            todo[case.name] = i
+    return list(todo.values())
 
 
 def run_case(study: str, digest: str, index: int) -> str:

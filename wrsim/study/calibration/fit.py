@@ -20,8 +20,8 @@ from wrsim.results import Result
 from wrsim.results.moments import Array
 from wrsim.study.calibration.reading import Calibration, Target
 from wrsim.study.candidates import Candidate
-from wrsim.study.engine import Work
 from wrsim.study.measurement.alignment import Shift
+from wrsim.study.task import Work
 
 STEP = 0.25
 """Step of the derivatives, in the scale of a key: the standard deviation of its prior, or a quarter of its bounds. Runs

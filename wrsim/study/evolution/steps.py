@@ -33,11 +33,10 @@ from wrsim.inputs.toml_files import read_bytes, write_toml
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json
 from wrsim.results.table import formatted, quantity
-from wrsim.study.engine import Work, missing
 from wrsim.study.evolution.reading import Evolution
 from wrsim.study.evolution.stages import Array, tableau
 from wrsim.study.plan import Plan
-from wrsim.study.task import COMPLETED, RESULT, read_marker
+from wrsim.study.task import COMPLETED, RESULT, Work, missing, read_marker
 from wrsim.timing import timed
 
 STEPS, STEP, LOOK, WHEEL, DEPTHS = "steps", "step.json", "look", "wheel.toml", "depths.csv"

@@ -21,11 +21,10 @@ from wrsim.results.channels import NAMES
 from wrsim.results.table import finite
 from wrsim.scenario.build import build
 from wrsim.study.candidates import Candidate, Candidates, CandidatesFile, OneScenario, read_candidates
-from wrsim.study.engine import missing
 from wrsim.study.outputs import assessment_name, case_outputs, check_place, margin_name, place_name
 from wrsim.study.plan import FileInput
 from wrsim.study.spec import NUMBERS, REDUCTIONS, CasesSection, ChannelOutput, Hook, Name, OutputsSection
-from wrsim.study.task import begun
+from wrsim.study.task import begun, missing
 
 
 class SoughtOutput(ChannelOutput):

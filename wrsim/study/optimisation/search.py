@@ -21,8 +21,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from wrsim.errors import InputError
-from wrsim.study.engine import Work
 from wrsim.study.optimisation.reading import Judged, Optimisation
+from wrsim.study.task import Work
 
 
 class Goal(NamedTuple):
