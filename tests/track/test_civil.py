@@ -9,11 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from support.commands import ok, refusal
+from support.runs import ROOT
 from support.scenario_texts import STATIC, edited
 
 import wrsim
 from wrsim.errors import InputError
+from wrsim.plots.track import height
 from wrsim.scenario.build import build
 from wrsim.scenario.track_build import track_model
 from wrsim.track.alignment import Cant, Plan, Profile, alignment_laws
@@ -26,6 +29,7 @@ from wrsim.track.civil.line import RAILS, CivilLine, ramp_of
 from wrsim.track.forms import FORMS
 from wrsim.track.track import Track
 
+MIXED_LINE = ROOT / "models/tracks/mixed_line.toml"
 TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 TEXTS = {kind: TABLES[kind].strip() + "\n" for kind in ("ifc", "landxml", "railml")}
 
@@ -260,3 +264,16 @@ def test_laws_do_not_depend_on_where_the_line_lies() -> None:
     moved = replace(line, origin=(0.0, 0.0, 0.0))
     first, second = line.laws(1.5)[0], moved.laws(1.5)[0]
     assert np.array_equal(first.curvature.pieces.c, second.curvature.pieces.c)
+
+
+@pytest.mark.parametrize("ending", ["docx", "railml"])
+def test_a_picture_or_a_file_of_another_kind_is_refused(tmp_path: Path, ending: str) -> None:
+    said = refusal("track", MIXED_LINE, "-o", tmp_path / f"line.{ending}")
+    assert f"line.{ending}: must end in .png" in said
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_picture_names_each_grade_once_where_the_plan_has_joints_on_it() -> None:
+    axes = Figure().subplots()
+    height(axes, track_model(MIXED_LINE))
+    assert [text.get_text() for text in axes.texts] == ["+2 ‰", "+12 ‰", "\N{MINUS SIGN}9 ‰", "+0 ‰"]

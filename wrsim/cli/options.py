@@ -35,7 +35,11 @@ LOOK = {parameter.name: parameter.replace(default=None) for parameter in PARAMET
 """Options of the pictures that a command draws, and of units."""
 LAST = ("models", "pictures", "workers", "scheduler", "slurm", "tls", *ADDED, *LOOK)
 """Options that follow those of the function alone, in this order."""
-ENDINGS = {"PNG|SVG|PDF": (".png", ".svg", ".pdf"), "HTML": (".html",), "HTML|PDF": (".html", ".pdf"), "FMU": (".fmu",)}
+PICTURES = (".png", ".svg", ".pdf")
+ENDINGS = {
+    "PNG|SVG|PDF": PICTURES, "HTML": (".html",), "HTML|PDF": (".html", ".pdf"), "FMU": (".fmu",),
+    "PNG|SVG|PDF|IFC|XML": (*PICTURES, ".ifc", ".xml", ".landxml"),
+}  # fmt: skip
 """Endings of the names of files to be written, by the word for the value of the option."""
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Literal
 
 import numpy as np
@@ -123,12 +123,16 @@ def height(axes: Axes, track: Track) -> None:
     """Height of the centre line; grades per thousand are written along it."""
     _against_distance(axes, track, lambda s: track.centre_line.position(s)[:, 2], INK, 1.0)
     law = track.centre_line.pitch_law
-    for start, end in pairwise(law.breaks):
-        bend = np.ptp(law(start + np.array([0.0, 0.3, 0.6, 1.0]) * (end - start)))
-        if bend < 1e-12 and end - start > 0.06 * track.length:
+
+    def constant(piece: tuple[float, float]) -> float | None:
+        slopes = 1e3 * np.tan(law(np.linspace(*piece, 4)))
+        return round(float(slopes[0]), 3) if np.ptp(slopes) < 1e-3 else None
+
+    for grade, pieces in groupby(pairwise(law.breaks.tolist()), constant):  # the law has breaks at joints of the plan
+        start, *_, end = (place for piece in pieces for place in piece)
+        if grade is not None and end - start > 0.06 * track.length:
             middle = 0.5 * (start + end)
             point = middle, float(track.centre_line.position(middle)[2])
-            grade = 1e3 * float(np.tan(law(start)))
             note(axes, "+" * (grade >= 0.0) + quantity(grade, "‰", ".3g"), point, (0.0, 7.0), ha="center")
     axes.set_ylabel("Height\n[m]")
 
