@@ -43,9 +43,7 @@ ALONE = {"own_vehicle", "own_profile"}
 """Those that need nothing of the others, nor they of them."""
 LEFT_OUT = re.compile(r"\b[A-Z]{3,}\b|--slurm|scenarios/(?:wear|type_test)/|studies/coach_|wrsim warm")
 """A name to be filled in, a cluster, minutes of work."""
-LONG = re.compile(
-    r"metro_depot|freight_long|tram_car_r25|results/freight|line/scenario.toml --set|results/line\b|-o results/my_study"
-)
+LONG = re.compile(r"freight_long|results/freight|line/scenario.toml --set|results/line\b|-o results/my_study")
 """Outputs of runs of a minute each: of tutorials they are compared without --short alone, of others with --whole."""
 LEFT_OUT_SHORT = re.compile(r"wrsim study \S+crossing_speed")
 """With --short: what prepares the scenario of another line once more, for half a minute."""
