@@ -119,6 +119,7 @@ def test_a_level_alignment_is_the_track_of_its_segments() -> None:
     assert np.abs(one.curvature(s) - other.curvature(s)).max() < 1e-15
     assert np.abs(one.cant(s) - other.cant(s)).max() < 1e-15
     assert [f.label for f in one.features()] == [f.label for f in other.features()]
+    assert one.segments == tuple(row)  # no length is summed and parted again
 
 
 def test_a_viennese_bend_takes_the_cant_of_the_other_list() -> None:

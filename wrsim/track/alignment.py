@@ -187,16 +187,17 @@ def in_space(law: Laws, height: Piecewise, mean: Piecewise | None, edges: Array)
     lengths = gauss_integrals(stretch, places[:-1], places[1:], 16)
     begin, share = np.repeat(places[:-1], NODES.size), (lengths[:, None] * NODES).ravel()
     x = forms.distance_at(stretch, begin, share)
+    rise = slope(x)
     distances = np.concatenate(([0.0], np.cumsum(lengths)))
 
     def over_length(values: Array) -> Piecewise:
         return Piecewise.interpolated(distances, values.reshape(lengths.size, NODES.size))
 
     laid = Laws(
-        curvature=over_length(law.curvature(x) / stretch(x)),
+        curvature=over_length(law.curvature(x) / np.hypot(1.0, rise)),
         cant=replace(over_length(law.cant(x)), kinks=law.cant.kinks),
         widening=over_length(law.widening(x)),
-        pitch=over_length(np.arctan(slope(x))),
+        pitch=over_length(np.arctan(rise)),
         lift=over_length(parts[1](x)) if len(parts) == 2 else None,
     )
     return laid, np.diff(np.interp(edges, places, distances)).tolist()

@@ -209,7 +209,8 @@ class Track:
             edges = np.cumsum([0.0, *((s.length for s in segments) if segments else (length,))])
             height = height_law(profile_of(grades, length), length)
             law, spans = in_space(law, height, lift_of(law.cant, pivot), edges)
-            segments = tuple(replace(s, length=span) for s, span in zip(segments, spans, strict=False))
+            if law.pitch is not None and not law.pitch.is_zero:  # else as long as in plan, to the last digit
+                segments = tuple(replace(s, length=span) for s, span in zip(segments, spans, strict=False))
         else:
             law = lifted(law, pivot)
         assert law.pitch is not None
