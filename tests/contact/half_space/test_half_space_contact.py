@@ -6,7 +6,7 @@ from math import sqrt
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from support.contacts import HALF_SPACING, bench, contact_model, flat_rail, pair_model, round_wheel
+from support.contacts import HALF_SPACING, PLAIN, bench, contact_model, contact_of, flat_rail, pair_model, round_wheel
 from support.hertz import Ellipse
 from support.rows import data_rows
 
@@ -245,6 +245,22 @@ def test_contacts_grow_together_without_jumps():
     assert len(patches) > 1
     assert (steps > 0.0).all()
     assert np.abs(np.diff(steps)).max() < 0.3 * steps.max()
+
+
+@pytest.mark.parametrize("lateral", [6.3e-3, 6.46e-3])
+def test_ground_far_beside_a_main_point_is_pressed_by_one_patch_alone(lateral):
+    # a flange, the root beside it and the tread press each other down: main points of one patch 48 mm apart
+    yaw, strips, kik_piotrowski = (
+        25e-3,
+        *(bench(pair_model("S1002/60E1 1:20", normal=normal, **PLAIN)) for normal in ("strips", "kik-piotrowski")),
+    )
+    strips.evaluate(lateral, kik_piotrowski.solve(Pose("", lateral, yaw, 150e3)).height, yaw, 0.0)
+    model, of_strips = strips.wheels[0].model, contact_of(strips)
+    contact = solve(model, model.arrays.pose, HalfSpace(resolution=20))
+    pressed = [patch.grid.axis["arc_wheel"][patch.pressure.p.any(axis=1)] for patch in contact.patches]
+    ends = np.sort([(arc.min(), arc.max()) for arc in pressed], axis=0).ravel()
+    assert (np.diff(ends) > 0.0).all()
+    assert contact.normal_force == pytest.approx(of_strips.normal_force, rel=0.005)
 
 
 def test_damping_multiplies_the_pressure_by_the_rate_of_approach():

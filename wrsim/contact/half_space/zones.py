@@ -7,7 +7,7 @@ everywhere. Zones nearer than ``together`` press each other down as one half-spa
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -41,12 +41,14 @@ class Footprint:
     boxes: Array
     sizes: Array
     influence: Array
+    bounds: tuple[float, float]
 
     def extent(self, widening: float) -> list[float]:
         """From and to along s, from and to along x of all zones [m], wider on every side by a share of that."""
         low, high = self.boxes[:, ::2].min(axis=0), self.boxes[:, 1::2].max(axis=0)
         more = widening * (high - low)
-        return np.stack([low - more, high + more]).T.ravel().tolist()
+        (start, x_start), (end, x_end) = (low - more).tolist(), (high + more).tolist()
+        return [max(start, self.bounds[0]), min(end, self.bounds[1]), x_start, x_end]
 
     @property
     def narrowest(self) -> tuple[float, float]:
@@ -94,38 +96,50 @@ def _look(
     """Zones around one main point, and the stretches of the wheel's profile that they take. free: whether a stretch
     still belongs to no other main point."""
     step = min(max(sqrt(2.0 * depth / max(curvature, 0.5)) / 12.0, FINEST), COARSEST)
-    rows = axis.lay(step, -LOOK, LOOK)
-    pen, arc = -rows["gap"], rows["arc_wheel"]
-    pen[LOOK] = max(pen[LOOK], depth)
-    real = axis.bodies.holds(rows)
+    main, near = LOOK, settings.apart / step
+    while True:
+        rows = axis.lay(step, -main, main)
+        pen, arc, real = -rows["gap"], rows["arc_wheel"], axis.bodies.holds(rows)
+        pen[main] = max(pen[main], depth)
+        overlaps, first, last = _overlaps(rows, pen, main)
+        before, after = first == 0 and real[0], last == 2 * main and real[-1]
+        # twice as far, while a zone beyond might act on one of these
+        if not (before and overlaps[0][0] < near) and not (after and overlaps[-1][1] > last - near):
+            break
+        main *= 2
     spans = [
         (lo, hi)
-        for lo, hi in _overlaps(rows, pen)
-        if lo <= LOOK <= hi or (real[lo : hi + 1].any() and free(min(arc[lo], arc[hi]), max(arc[lo], arc[hi])))
+        for lo, hi in overlaps
+        if lo <= main <= hi or (real[lo : hi + 1].any() and free(min(arc[lo], arc[hi]), max(arc[lo], arc[hi])))
     ]
     boxes = np.array([_box(rows, pen, lo, hi, step) for lo, hi in spans])
     apart = np.hypot(_apart(boxes[:, 0], boxes[:, 1]), _apart(boxes[:, 2], boxes[:, 3]))
     # the zone of the main point and, to either side, neighbours that act on each other
     group = np.concatenate([[0], np.cumsum(np.diag(apart, 1) >= settings.apart)])
-    joined = np.flatnonzero(group == group[[lo <= LOOK <= hi for lo, hi in spans].index(True)])
+    joined = np.flatnonzero(group == group[[lo <= main <= hi for lo, hi in spans].index(True)])
     fading = np.clip((settings.apart - apart[np.ix_(joined, joined)]) / (settings.apart - settings.together), 0.0, 1.0)
     inner, sizes = zip(*(_likely(rows, pen, *spans[n], step) for n in joined), strict=True)
     ends = [sorted((float(arc[spans[n][0]]), float(arc[spans[n][1]]))) for n in joined]
-    footprint = Footprint(axis, depth, np.array(inner), np.array(sizes), fading**FADING)
+    start, end = spans[joined[0]][0], spans[joined[-1]][1]
+    less = max((hi for _lo, hi in overlaps if hi < start), default=-inf)
+    more = min((lo for lo, _hi in overlaps if lo > end), default=inf)
+    bounds = (0.5 * (less + start) - main) * step, (0.5 * (end + more) - main) * step
+    footprint = Footprint(axis, depth, np.array(inner), np.array(sizes), fading**FADING, bounds)
     return footprint, [(lo - 2.0 * step, hi + 2.0 * step) for lo, hi in ends]
 
 
-def _overlaps(rows: NDArray[np.void], pen: Array) -> list[tuple[int, int]]:
-    """Stretches (from, to) of overlapping rows, as far as the axis is of use on either side of the main point."""
-    facing = rows["no"] * rows["no"][LOOK] + rows["nb"] * rows["nb"][LOOK]
+def _overlaps(rows: NDArray[np.void], pen: Array, main: int) -> tuple[list[tuple[int, int]], int, int]:
+    """Stretches (from, to) of overlapping rows, and the rows as far as which the axis is of use on either side of the
+    main point's."""
+    facing = rows["no"] * rows["no"][main] + rows["nb"] * rows["nb"][main]
     lost = (facing < TURN) | (pen < -DEEPEST_GAP)
-    before, after = np.flatnonzero(lost[: LOOK + 1]), np.flatnonzero(lost[LOOK:])
+    before, after = np.flatnonzero(lost[: main + 1]), np.flatnonzero(lost[main:])
     first = int(before[-1]) + 1 if before.size else 0
-    last = LOOK + int(after[0]) - 1 if after.size else 2 * LOOK
+    last = main + int(after[0]) - 1 if after.size else 2 * main
     inside = np.zeros(len(pen) + 2, dtype=bool)
     inside[first + 1 : last + 2] = pen[first : last + 1] > 0.0
     edges = np.flatnonzero(inside[1:] != inside[:-1])
-    return [(int(lo), int(hi) - 1) for lo, hi in zip(edges[::2], edges[1::2], strict=True)]
+    return [(int(lo), int(hi) - 1) for lo, hi in zip(edges[::2], edges[1::2], strict=True)], first, last
 
 
 def _apart(start: Array, end: Array) -> Array:
