@@ -20,6 +20,8 @@ FORKS = sys.platform == "linux"
 _BLANKS = " " * 60 + "\b" * 60
 ERASE, BOLD, USUAL = (_BLANKS, "", "") if sys.platform == "win32" else ("\x1b[K", "\x1b[1m", "\x1b[0m")
 """Clears a line of a terminal to its end; bold letters; usual ones. Older consoles of Windows know no codes."""
+BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Variables of the environment with the number of threads of BLAS, before OMP_NUM_THREADS."""
 PATIENCE = 1.0
 """Time for which Windows' indexers and virus scanners may hold a new file [s]."""
 
@@ -100,7 +102,7 @@ def limit_blas_threads() -> None:
     Matrices here are small; threads that wait awake for the next one take some 45 ms of another processor each time.
     """
     if "OMP_NUM_THREADS" not in os.environ:
-        for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        for name in BLAS_THREADS:
             os.environ.setdefault(name, "1")
 
 

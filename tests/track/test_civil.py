@@ -120,8 +120,9 @@ def test_a_file_gives_back_the_line_within_a_nanometre(tmp_path: Path, ending: s
     assert np.ptp(places[0][:, 2]) > 0.5 and np.ptp(tracks[0].cant(s)) > 0.1
 
 
-def test_a_track_with_a_curve_in_a_vertical_curve_is_exported_exactly(tmp_path: Path) -> None:
-    (tmp_path / "own.toml").write_text(TABLES["own"])
+@pytest.mark.parametrize("pivot", ["low rail", "high rail"])
+def test_a_track_with_reverse_curves_in_a_vertical_curve_is_exported_exactly(tmp_path: Path, pivot: str) -> None:
+    (tmp_path / "own.toml").write_text(TABLES["own"].replace("low rail", pivot))
     track = track_model(tmp_path / "own.toml")
     for ending in ("ifc", "xml"):
         answer = ok("track", tmp_path / "own.toml", "-o", tmp_path / f"own.{ending}").output

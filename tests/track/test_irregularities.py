@@ -13,7 +13,7 @@ from support.rows import rows_of
 
 from wrsim import Arc, InputError, Straight, Track, Transition, load, load_text, run
 from wrsim.scenario.build import build
-from wrsim.track.alignment import profile_of
+from wrsim.track.alignment import vertical_profile
 from wrsim.track.irregularities import WEIGHTS, Bump, Disturbance, Polygon, Sampled
 from wrsim.track.segments import Grade, Segment
 from wrsim.track.spectra import CHINA_HIGH_SPEED, NAMES, SPECTRA, Realisation
@@ -109,7 +109,7 @@ def test_rail_rows_are_derivatives_of_a_canted_uneven_rail_in_a_climbing_curve(s
 @pytest.mark.parametrize("grades, message", table("a_grade_that_cannot_be_is_named"))
 def test_a_grade_that_cannot_be_is_named(grades: list[list[float]], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        profile_of([Grade(*grade) for grade in grades], 180.0)
+        vertical_profile([Grade(*grade) for grade in grades], 180.0)
 
 
 MCAT = """

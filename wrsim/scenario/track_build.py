@@ -83,8 +83,7 @@ def exported(track: Track, path: Path, date: str) -> tuple[str, list[str]]:
         )
     line, notes = track.alignment, list[str]()
     if line is None:
-        pitch = track.centre_line.pitch_law
-        line = alignment_of(path.stem, track.segments, pitch, track.grades, track.pivot)
+        line = alignment_of(path.stem, track.plan, track.profile, track.pivot)
         again = Track.from_laws(line.laws(track.cant_base)[0], track.nominal_gauge, cant_base=track.cant_base)
         s = np.linspace(0.0, min(track.length, again.length), max(2, math.ceil(track.length)))
         away = np.abs(again.centre_line.position(s) - track.centre_line.position(s)).max()

@@ -11,7 +11,9 @@ from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import Any, Self
 
-ONE_THREAD = {name: "1" for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+from wrsim.system import BLAS_THREADS
+
+ONE_THREAD = {name: "1" for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", *BLAS_THREADS)}
 """Environment of a worker: it computes one case at a time, on one processor."""
 ATTEMPTS = 2
 """How many workers may die at the same case before it is tried alone, and again before it counts as failed."""

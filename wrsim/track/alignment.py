@@ -195,7 +195,7 @@ def in_space(law: Laws, height: Piecewise, mean: Piecewise | None, edges: Array)
 
     laid = Laws(
         curvature=over_length(law.curvature(x) / np.hypot(1.0, rise)),
-        cant=replace(over_length(law.cant(x)), kinks=law.cant.kinks),
+        cant=replace(over_length(law.cant(x)), rounding=law.cant.rounding),
         widening=over_length(law.widening(x)),
         pitch=over_length(np.arctan(rise)),
         lift=over_length(parts[1](x)) if len(parts) == 2 else None,
@@ -269,7 +269,7 @@ def height_law(elements: Sequence[Profile], end: float, rounding: float = ROUNDI
     return Piecewise.of_rows(edges, rows).rounded(rounding)
 
 
-def profile_of(grades: Sequence[Grade], length: float) -> list[Profile]:
+def vertical_profile(grades: Sequence[Grade], length: float) -> list[Profile]:
     """The vertical profile of grades over a track of that length in plan [m]: constant grades and circles between.
 
     Level where there are no grades, and before the first. Raises InputError, with the grade's number, for wrong

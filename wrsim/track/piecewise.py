@@ -82,7 +82,7 @@ class Piecewise:
     """
 
     pieces: Polynomials
-    kinks: tuple[float, float] = (0.0, 0.0)
+    rounding: tuple[float, float] = (0.0, 0.0)
     """Half length over which kinks are rounded, and the largest change of the value by it."""
 
     @classmethod
@@ -157,7 +157,8 @@ class Piecewise:
             middle = 0.5 * (low + high)
             before = np.sign(self(middle)) == first
             low, high = np.where(before, middle, low), np.where(before, high, middle)
-        parts = np.unique(np.concatenate([edges, low]))
+        beside = np.abs(low[:, None] - edges).min(axis=1, initial=np.inf) > SLIVER  # not the rounding of a zero at one
+        parts = np.unique(np.concatenate([edges, low[beside]]))
         sign = np.sign(self(0.5 * (parts[1:] + parts[:-1])))
         return Piecewise(Polynomials(sign * self._taylor(parts), parts))
 

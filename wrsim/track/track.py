@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from wrsim.errors import InputError
 from wrsim.inputs.notebook import card
-from wrsim.track.alignment import height_law, in_space, profile_of
+from wrsim.track.alignment import Profile, height_law, in_space, vertical_profile
 from wrsim.track.bridge import Bridge
 from wrsim.track.cant import PIVOTS, RAIL_HEAD_WIDTH, STANDARD_GAUGE, Pivot
 from wrsim.track.forms import LABEL, check_form
@@ -101,8 +101,9 @@ class Track:
     """Distance up to which tables of paths are made: beyond, they continue straight [m]."""
     lift: Piecewise | None = None
     """Height of the centre line above the grade line [m]; None: 0."""
-    grades: tuple[Grade, ...] = ()
-    """Vertical profile in plan that the segments were laid with."""
+    plan: tuple[Segment, ...] = ()
+    profile: tuple[Profile, ...] = ()
+    """Segments with their lengths in plan, and the vertical profile that they were laid with; empty: level."""
     pivot: Pivot = "centre line"
     """What the cant turns about, unless the alignment has the heights of both rails."""
     alignment: CivilLine | None = None
@@ -202,13 +203,14 @@ class Track:
             far = f"track of {length:g} m with rows every {rows:g} m"
             raise InputError(f"{far}; allowed: {MAX_ROWS} rows (is length_m in metres?)")
         check_form("track", "pivot", pivot, PIVOTS)
+        plan, profile = segments, list[Profile]()
         if law.lift is not None and (grades or pivot != PIVOTS[0]):
             named = f"pivot = {pivot!r}" if pivot != PIVOTS[0] else "grades"
             raise InputError(f"track: {named} cannot be given with an alignment, which has the heights of both rails")
         if law.pitch is None or grades:
             edges = np.cumsum([0.0, *((s.length for s in segments) if segments else (length,))])
-            height = height_law(profile_of(grades, length), length)
-            law, spans = in_space(law, height, lift_of(law.cant, pivot), edges)
+            profile = vertical_profile(grades, length)
+            law, spans = in_space(law, height_law(profile, length), lift_of(law.cant, pivot), edges)
             if law.pitch is not None and not law.pitch.is_zero:  # else as long as in plan, to the last digit
                 segments = tuple(replace(s, length=span) for s, span in zip(segments, spans, strict=False))
         else:
@@ -219,7 +221,8 @@ class Track:
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
         left, right = swept(1, *left_offset, uneven[1]), swept(-1, *right_offset, uneven[-1])
         steps = ROWS if step is None else step, rows
-        more: dict[str, Any] = {"lift": law.lift, "pivot": pivot, "alignment": alignment, "grades": tuple(grades)}
+        more: dict[str, Any] = {"lift": law.lift, "pivot": pivot, "alignment": alignment}
+        more |= {"plan": plan, "profile": tuple(profile) if grades else ()}
         return cls(segments, gauge, base, line, left, right, *steps, structure, **more)
 
     def __repr__(self) -> str:
@@ -281,7 +284,7 @@ class Track:
         bends = {s.centre_of_gravity_height for s in self.segments if isinstance(s, Transition)} - {None}
         high = ", ".join(f"{height:g}" for height in sorted(filter(None, bends)))
         bend = f"; Viennese bends for a centre of gravity {high} m above the rail tops" if high else ""
-        width, change = self.left_curve.cant.kinks
+        width, change = self.left_curve.cant.rounding
         kinks = f"; kinks rounded over {width:g} m to either side, by up to {1e3 * change:.2g} mm" if change else ""
         return f"over {1e3 * self.cant_base:g} mm, {turns}{kinks}{bend}"
 

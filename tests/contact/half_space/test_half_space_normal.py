@@ -7,7 +7,7 @@ from support.hertz import Ellipse, EllipseGrid
 from wrsim.contact.half_space.influence import NN, SS, XS, XX, Compliance, Operator, integrals
 from wrsim.contact.half_space.normal import Pressure, solve_normal
 from wrsim.contact.half_space.patch import stretches
-from wrsim.contact.half_space.solver import Pressed
+from wrsim.contact.half_space.solver import NormalSolution
 from wrsim.contact.settings import Material
 
 ELLIPSES = {"circle": Ellipse(4e-3, 4e-3), "wide": Ellipse(2e-3, 7e-3), "long": Ellipse(9e-3, 1.5e-3)}
@@ -78,7 +78,7 @@ def test_contact_reaches_the_edge_in_the_outermost_elements_only(element, reache
     grid = EllipseGrid(ELLIPSES["circle"], 4)
     p = np.zeros((5, 5))
     p[element] = 1e6
-    assert Pressed(grid, grid.operator(), Pressure(p, p, 1, 0.0, True)).reaches_edge is reaches
+    assert NormalSolution(grid, grid.operator(), Pressure(p, p, 1, 0.0, True)).reaches_edge is reaches
 
 
 # Influence of loaded rectangles: closed forms against quadrature, convolutions against plain sums.

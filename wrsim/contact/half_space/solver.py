@@ -57,15 +57,15 @@ class HalfSpace(HalfSpaceSettings):
     def elements_at(self, model: ContactModel) -> tuple[float, float] | None:
         """Elements (dx, ds) of the deepest patch at the pose set in the model's arrays [m]; None without contact."""
         footprints, _, _ = find_footprints(model, self)
-        pressed = _press(footprints[0], self, _compliance(model), None) if footprints else None
-        return None if pressed is None else (pressed.grid.dx, pressed.grid.ds)
+        normal = _press(footprints[0], self, _compliance(model), None) if footprints else None
+        return None if normal is None else (normal.grid.dx, normal.grid.ds)
 
     def _solve(self, model: ContactModel, footprint: Footprint, start: Patch | None) -> tuple[Patch | None, int]:
         """The patch over one footprint, and its status."""
-        pressed = _press(footprint, self, _compliance(model), start.pressure.p if start is not None else None)
-        if pressed is None:
+        normal = _press(footprint, self, _compliance(model), start.pressure.p if start is not None else None)
+        if normal is None:
             return None, status_of.TOO_MANY
-        grid, pressure = pressed.grid, pressed.pressure
+        grid, pressure = normal.grid, normal.pressure
         forward = 1.0 if grid.bodies.pose.velocity.x >= 0.0 else -1.0
         rigid = grid.rigid_slip(LEAST_SPEED, forward * AHEAD * grid.dx)
         damping = _damping(grid, model.settings.damping)
@@ -79,7 +79,7 @@ class HalfSpace(HalfSpaceSettings):
             first = start.q if start is not None else None
             layer, friction, heat = model.settings.layer or Layer(), cold, np.empty(cold.shape[1])
             for _ in range(ALTERNATIONS):
-                pressure, traction, converged = self._roll(pressed, damping * friction, rigid, forward, first, layer)
+                pressure, traction, converged = self._roll(normal, damping * friction, rigid, forward, first, layer)
                 if model.settings.temperature is None:
                     break
                 last, first = friction, traction.q
@@ -91,7 +91,7 @@ class HalfSpace(HalfSpaceSettings):
             else:
                 converged = False
         bits = {
-            status_of.GRID_EDGE: pressed.reaches_edge,
+            status_of.GRID_EDGE: normal.reaches_edge,
             STATUS_TOO_DEEP: not contact,
             # rows beyond the end of a profile, which is continued straight there
             STATUS_PROFILE_END: not grid.bodies.holds(grid.axis[pressure.p.any(axis=1)]).all(),
@@ -101,11 +101,11 @@ class HalfSpace(HalfSpaceSettings):
         return patch, sum(bit for bit, is_set in bits.items() if is_set)
 
     def _roll(
-        self, pressed: "Pressed", friction: Array, rigid: Array, forward: float, first: Array | None, layer: Layer
+        self, normal: "NormalSolution", friction: Array, rigid: Array, forward: float, first: Array | None, layer: Layer
     ) -> tuple[Pressure, Traction, bool]:
         """Pressures, tractions, whether they converged: alternating where they move each other (Panagiotopoulos).
         friction: bound of the tractions over the pressure (rows, columns); first: tractions to begin with."""
-        operator, pressure = pressed.operator, pressed.pressure
+        operator, pressure = normal.operator, normal.pressure
 
         def roll(p: Array, q: Array | None) -> Traction:
             slip = rigid + operator.slip_of_pressure(p, forward) if operator.coupled else rigid
@@ -117,7 +117,7 @@ class HalfSpace(HalfSpaceSettings):
             return pressure, traction, traction.converged
         for _ in range(ALTERNATIONS):
             last = pressure.p
-            lifted = pressed.grid.pen - operator.normal_of_tractions(traction.q)
+            lifted = normal.grid.pen - operator.normal_of_tractions(traction.q)
             pressure = solve_normal(operator, lifted, self.tolerance, last)
             traction = roll(pressure.p, traction.q)
             if np.abs(pressure.p - last).max() <= 100.0 * self.tolerance * pressure.p.max():
@@ -146,7 +146,7 @@ def _damping(grid: Grid, damping: float) -> Array:
 
 
 @dataclass(frozen=True)
-class Pressed:
+class NormalSolution:
     """A grid with its operator and pressures."""
 
     grid: Grid
@@ -169,7 +169,7 @@ class Pressed:
 
 def _press(
     footprint: Footprint, settings: HalfSpaceSettings, compliance: Compliance, start: Array | None
-) -> Pressed | None:
+) -> NormalSolution | None:
     """The normal problem on a grid that holds the contact and resolves its peaks; None with too many elements. start:
     pressures to begin with, of use on the same elements."""
     if settings.element is None:
@@ -181,22 +181,22 @@ def _press(
         dx, ds = settings.element
     # an overlap too deep to be a contact gets a first answer only
     once = settings.element is not None or footprint.depth > DEEPEST
-    pressed = None
+    normal = None
     for _ in range(1 if once else 1 + MOST_HALVINGS):
         finer = _press_on(footprint, dx, ds, settings, compliance, start)
         if finer is None:
             break
-        pressed = finer
-        if not pressed.has_sharp_peak:
+        normal = finer
+        if not normal.has_sharp_peak:
             break
         ds *= 0.5
-    return pressed
+    return normal
 
 
 def _press_on(
     footprint: Footprint, dx: float, ds: float, settings: HalfSpaceSettings, compliance: Compliance, known: Array | None
-) -> Pressed | None:
-    pressed = None
+) -> NormalSolution | None:
+    normal = None
     for widening in WIDENING:
         start, end, x_start, x_end = footprint.extent(widening)
         rows, columns = (end - start) / ds, (x_end - x_start) / dx
@@ -211,7 +211,7 @@ def _press_on(
         grid = Grid(footprint.axis.bodies, axis, x, dx, ds, main)
         angles = grid.angle if settings.influence == "angle-corrected" else None
         operator = Operator(len(grid.s), len(grid.x), ds, grid.length, compliance, angles, footprint.shares(grid.s))
-        pressed = Pressed(grid, operator, solve_normal(operator, grid.pen, settings.tolerance, known))
-        if not pressed.reaches_edge:
+        normal = NormalSolution(grid, operator, solve_normal(operator, grid.pen, settings.tolerance, known))
+        if not normal.reaches_edge:
             break
-    return pressed
+    return normal

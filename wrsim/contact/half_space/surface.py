@@ -97,7 +97,7 @@ class Axis:
         return rows
 
     def _walk(self, start: float, step: float, rows: Rows) -> None:
-        surface.lay_axis(
+        surface.build_axis(
             self.bodies.wheel, self.bodies.rail, self.arc_wheel, self.arc_rail, self.level, start, step, rows
         )
         if not self.bodies.changes:

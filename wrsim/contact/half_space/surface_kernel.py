@@ -70,7 +70,7 @@ def _beside(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float) -
 
 
 @kernel
-def lay_axis(
+def build_axis(
     wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float, level: bool, start: float, step: float,
     axis: Records,
 ) -> None:  # fmt: skip
@@ -259,7 +259,7 @@ def fill_gap_along(
 
 @kernel
 def fill_gap(wheel: PlacedWheel, rail: Rail, axis: Records, x0: float, dx: float, pen: Array, place: Array) -> None:
-    """Interpenetration of the undeformed bodies along the rows' normals. axis: from lay_axis; columns at x0 + i dx;
+    """Interpenetration of the undeformed bodies along the rows' normals. axis: from build_axis; columns at x0 + i dx;
     pen: (rows, columns) [m], negative where a gap is open; place: the same shape, distance along the normal from the
     reference to the wheel's surface [m]."""
     level = Incline(0.0, 0.0, 0.0)

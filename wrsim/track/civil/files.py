@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from pathlib import Path
 
-import numpy as np
-
-from wrsim.contact.profiles.curves import gauss_integrals
 from wrsim.errors import InputError, suggest
-from wrsim.track.alignment import Cant, Plan, profile_of
+from wrsim.track.alignment import Cant, Plan, Profile
 from wrsim.track.cant import Pivot
 from wrsim.track.civil.ifc import ifc_text, read_ifc
 from wrsim.track.civil.landxml import landxml_text, read_landxml
@@ -17,8 +15,7 @@ from wrsim.track.civil.line import MOST, RAILS, CivilLine, ramp_of
 from wrsim.track.civil.railml import read_railml
 from wrsim.track.civil.xml_tree import read_xml
 from wrsim.track.forms import CantForm, Form
-from wrsim.track.piecewise import Piecewise, merged
-from wrsim.track.segments import Grade, Segment, end_states
+from wrsim.track.segments import Segment, end_states
 
 
 def read_alignment(path: Path, name: str | None = None) -> CivilLine:
@@ -52,23 +49,20 @@ def civil_text(line: CivilLine, path: Path, base: float, gauge: float, date: str
     return ifc_text(line, base, date) if path.suffix.lower() == ".ifc" else landxml_text(line, base, gauge, date)
 
 
-def alignment_of(
-    name: str, segments: Sequence[Segment], pitch: Piecewise, grades: Sequence[Grade], pivot: Pivot
-) -> CivilLine:
-    """The record of segments of a track, whose lengths are along it, its angle of slope and its grades. Gauge widening
-    is left out."""
-    edges = np.concatenate([[0.0], np.cumsum([segment.length for segment in segments])])
-    places = merged(edges, pitch.breaks)
-    plan = np.cumsum([0.0, *gauss_integrals(lambda s: np.cos(pitch(s)), places[:-1], places[1:], 16)])
-    starts = np.interp(edges, places, plan).tolist()
-    elements, ramps = list[Plan](), list[Cant]()
-    for i, (segment, states) in enumerate(zip(segments, end_states(segments).transpose(2, 0, 1).tolist(), strict=True)):
+def alignment_of(name: str, segments: Sequence[Segment], profile: Sequence[Profile], pivot: Pivot) -> CivilLine:
+    """The record of segments with their lengths in plan, a profile and what cant turns about. Gauge widening is left
+    out."""
+    elements, ramps, start = list[Plan](), list[Cant](), 0.0
+    for segment, states in zip(segments, end_states(segments).transpose(2, 0, 1).tolist(), strict=True):
         (first, cant, _), (last, end_cant, _) = states
         form: Form = getattr(segment, "form", "clothoid")
         ramp: CantForm = getattr(segment, "cant_form", None) or ramp_of(form)
-        length, height = starts[i + 1] - starts[i], getattr(segment, "centre_of_gravity_height", None)
+        length, height = segment.length, getattr(segment, "centre_of_gravity_height", None)
         elements.append(Plan(length, first, last, form, height))
-        ramps.append(Cant(starts[i], length, RAILS[pivot](cant), RAILS[pivot](end_cant), ramp))
+        ends = [(start, cant), (start + length, end_cant)]
+        if ramp == "linear" and pivot in ("low rail", "high rail") and cant * end_cant < 0.0:
+            ends.insert(1, (start + length * cant / (cant - end_cant), 0.0))  # from there on the other rail moves
+        ramps += [Cant(a, b - a, RAILS[pivot](c), RAILS[pivot](d), ramp) for (a, c), (b, d) in pairwise(ends)]
+        start += length
     level = not any(any(ramp.rails_start + ramp.rails_end) for ramp in ramps)
-    profile = profile_of(grades, starts[-1]) if grades else ()
     return CivilLine(name, name, tuple(elements), tuple(profile), () if level else tuple(ramps))

@@ -180,7 +180,7 @@ def reserve(buffer: Array, index: Ints) -> float:
 @inlined
 def share(left: float, reserve: float, behind: float) -> float:
     """Share of what is left of a budget: all but what is reserved behind, or in proportion where that is too much."""
-    return left - behind * min(left / max(reserve + behind, 1e-30), 1.0)
+    return left - behind * (1.0 if reserve + behind <= max(left, 0.0) else left / (reserve + behind))
 
 
 @inlined
