@@ -189,6 +189,27 @@ def test_a_steep_face_is_found_as_soon_as_it_is_touched_at_any_yaw(yaw):
     assert np.diff(depths) == pytest.approx(np.sin(np.radians(80.0)) * 1e-5, rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("radius", "lateral", "yaw", "roll", "height"),
+    [
+        (0.5, -5.2221e-3, -32.851e-3, -2.152e-3, 0.5029772),
+        (0.5, -6.1969e-3, -57.190e-3, 6.355e-3, 0.4961434),
+        (0.3, -8.3122e-3, 48.224e-3, 9.761e-3, 0.2946467),
+    ],
+)
+def test_a_steep_face_stays_found_while_the_wheel_comes_down(radius, lateral, yaw, roll, height):
+    # samples of the back of a flange lie 9 to 40 mm apart on the outline: from far away into the rail in one step
+    rail = load_profile(contacts.MODELS / "rails/grooved.toml")
+    model = contacts.contact_model(contacts.wheel_profile("tram"), rail, radius=radius, **contacts.PLAIN)
+    stand, closest = contacts.bench(model, rolling=False), []
+    for z in np.arange(-0.4e-3, 0.4e-3, 2e-6):
+        stand.evaluate(lateral, height - z, yaw, roll)
+        closest.append(float(model.arrays.total.closest))
+        assert model.arrays.total.lobes == (closest[-1] < 0.0)
+    fall = -np.diff(closest)
+    assert fall.min() > 0.9 * fall.max() > 0.0
+
+
 @pytest.mark.parametrize("depth", [2e-5, 1e-4, 3e-4])
 def test_a_vertical_rail_side_is_touched_like_the_crown(depth):
     # a ball of 14 mm beside a rail head whose sides are vertical, its centre 22 mm below the crown

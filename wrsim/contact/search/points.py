@@ -208,13 +208,14 @@ def _free_length(distance: float, slope: float, hollow: float) -> float:
 
 @inlined
 def slope_changes_sign(last: Sample, sample: Sample) -> bool:
-    """Whether the slope changes its sign between two samples, near the rail. The parabola's vertex between them says
-    whether a closer look is worth it; where the locus climbs around a yawed wheel, its outline is many times as long as
-    the profile."""
+    """Whether the slope changes its sign between two samples, near the rail. Where the distance bends up between them
+    it is nowhere below both tangents, which says whether a closer look is worth it: where the locus climbs around a
+    yawed wheel, samples lie millimetres apart."""
     if (sample.slope < 0.0) == (last.slope < 0.0):
         return False
     between = sqrt((sample.o - last.o) ** 2 + (sample.b - last.b) ** 2)
-    return last.distance - 0.5 * between * last.slope * last.slope / (sample.slope - last.slope) < NEAR
+    crossing = (last.distance - sample.distance + sample.slope * between) / (sample.slope - last.slope)
+    return min(last.distance + last.slope * crossing, last.distance, sample.distance) < NEAR
 
 
 @inlined
@@ -280,12 +281,13 @@ def find_contacts(
     count, closest, status = 0, 1.0, 0
     last = Sample(-stride, 0.0, 0.0, 0.0, 0.0, 0.0)
     adjacent = same_overlap = False  # the last sample is one stride back; in the rail since the last contact
+    from_afar = False  # one stride back it was far from the rail; where the outline climbs it may be in it by now
     crest = 0.0  # about where the distance was largest since then
     i = no_skip_before = 0
     while i < wheel.profile.table.shape[0]:
         point = locus_node(wheel, node(wheel.profile, i), LARGEST_SINE)
         if abs(point.sine) >= LARGEST_SINE:
-            last, adjacent, same_overlap = skip_to(last, i), False, False
+            last, adjacent, same_overlap, from_afar = skip_to(last, i), False, False, False
             i += stride
             continue
         distance, foot = field_distance(field, point.o, point.b)
@@ -301,12 +303,14 @@ def find_contacts(
         clear = distance - FIELD_ERROR
         if distance > FAR or foot <= 0.0 or foot >= rail_end:
             # far away, or beside an end of the rail, where nothing bounds how the distance bends: its length alone
-            last, adjacent, same_overlap = skip_to(last, i), False, False
+            last, adjacent, same_overlap, from_afar = skip_to(last, i), False, False, distance > FAR and not may_skip
+            if from_afar:
+                last = Sample(i, point.o, point.b, distance, 0.0, -1.0)
             i += max(int(clear * per_node), stride) if may_skip else stride
             continue
         slope = _rail_slope(rail, foot, point.no, point.nb) if field.slack == 0.0 else slope
         sample = Sample(i, point.o, point.b, distance, foot, slope)
-        if adjacent and slope_changes_sign(last, sample):
+        if (adjacent or from_afar) and slope_changes_sign(last, sample):
             guess = (i - stride * slope / (slope - last.slope)) * step
             if last.slope >= 0.0:
                 crest = guess
@@ -317,7 +321,7 @@ def find_contacts(
                     if met.distance < 0.0 and 0.0 < met.arc_rail < rail_end and count < contacts.shape[0]:
                         _add_contact(wheel, rail, contacts, count, met, crest if same_overlap else NO_CREST)
                         status, count, same_overlap = status | met.status, count + 1, True
-        last, adjacent = sample, True
+        last, adjacent, from_afar = sample, True, False
         if clear > 0.0:
             same_overlap = False
             skip = int(_free_length(clear, slope, hollow) * per_node)
