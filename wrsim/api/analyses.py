@@ -1,7 +1,5 @@
 """Results of runs: assessment, ride, spectra, differences."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated

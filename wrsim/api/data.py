@@ -1,7 +1,5 @@
 """Data from and for other programs, and templates."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Annotated, Literal

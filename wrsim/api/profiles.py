@@ -1,7 +1,5 @@
 """Wheel and rail profiles: equivalent conicity, measures of workshops."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Unpack

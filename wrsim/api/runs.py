@@ -1,7 +1,5 @@
 """Scenarios: checked, run, shown, compared with other contact models, solved again."""
 
-from __future__ import annotations
-
 import logging
 from pathlib import Path
 from typing import Annotated

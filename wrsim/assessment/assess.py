@@ -18,14 +18,7 @@ from wrsim.assessment.outcome import AssessedSection, Assessment, Value
 from wrsim.assessment.rules import HistorySection, RulesFile, rule_set
 from wrsim.assessment.sections import STRAIGHT, TRANSITION, counts, sections_of
 from wrsim.assessment.settings import AssessmentSection, AssessmentSettings
-from wrsim.assessment.signals import (
-    AssessedPoint,
-    AxleSignals,
-    BogieSignals,
-    Forces,
-    assessed_points,
-    quasi_static,
-)
+from wrsim.assessment.signals import AssessedPoint, AxleSignals, BogieSignals, Forces, assessed_points, quasi_static
 from wrsim.assessment.track_quality import track_quality
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models

@@ -3,8 +3,6 @@
 Values are in SI units; ``Quantity.shown`` is the unit in which people read them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

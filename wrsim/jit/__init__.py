@@ -3,19 +3,7 @@
 Nothing else imports numba or llvmlite (import contract in pyproject.toml).
 """
 
-from wrsim.jit.arena import (
-    Array,
-    Bools,
-    Ints,
-    Record,
-    Records,
-    block,
-    matrix,
-    record,
-    record_rows,
-    records,
-    vector,
-)
+from wrsim.jit.arena import Array, Bools, Ints, Record, Records, block, matrix, record, record_rows, records, vector
 from wrsim.jit.compiling import inlined, kernel, noalias_kernel, parallel, prange, reassociating_kernel, released
 
 __all__ = [

@@ -13,14 +13,7 @@ from wrsim.inputs.file_kinds import resolved
 from wrsim.plots.bent import bent_figures
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.drawing import save_all
-from wrsim.plots.histories import (
-    ANGLES,
-    VEHICLE_PICTURES,
-    channels_figure,
-    enveloped,
-    overview_figure,
-    vehicle_figures,
-)
+from wrsim.plots.histories import ANGLES, VEHICLE_PICTURES, channels_figure, enveloped, overview_figure, vehicle_figures
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
 from wrsim.plots.subsurface import subsurface_figure

@@ -9,18 +9,7 @@ stress are solved in closed form.
 from math import sqrt
 
 from wrsim.contact.creep.flexibility import Rolling
-from wrsim.contact.creep.march import (
-    BOUND,
-    FX,
-    FY,
-    MZ,
-    START_X,
-    START_Y,
-    STUCK,
-    TINY,
-    advance,
-    limit_dissipation,
-)
+from wrsim.contact.creep.march import BOUND, FX, FY, MZ, START_X, START_Y, STUCK, TINY, advance, limit_dissipation
 from wrsim.jit import Array, Record, inlined, kernel
 
 HEAT = 0  # row of the scratch array: heat of the cells of one strip [J/m2]

@@ -13,14 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from wrsim.contact.profiles.file_kinds import MM, Coordinate, Pair, PointsKeys, ProfileFile, ShapeFile
-from wrsim.contact.profiles.files import (
-    PROFILE_FILES,
-    Reading,
-    read_points,
-    reading_as,
-    stating_back,
-    suffix_fault,
-)
+from wrsim.contact.profiles.files import PROFILE_FILES, Reading, read_points, reading_as, stating_back, suffix_fault
 from wrsim.contact.profiles.flange import with_back
 from wrsim.contact.profiles.placing import check_tread
 from wrsim.contact.profiles.profile import Kind, Profile

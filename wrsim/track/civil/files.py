@@ -1,7 +1,5 @@
 """Civil files of tracks by their kind, and the record of a track of ours."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path

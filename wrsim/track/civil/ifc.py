@@ -5,8 +5,6 @@ and -Cant, which nest segments. x is east and y north; directions turn counter-c
 the left, 0 is straight; cant is the height of each rail; distances are in plan.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import uuid

@@ -6,8 +6,6 @@ are not read, for programs differ: the schema and 3D-Win count them counter-cloc
 counter-clockwise from the east, MDT clockwise from the north.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Iterator, Sequence

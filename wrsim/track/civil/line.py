@@ -4,8 +4,6 @@ Lengths are in m, headings in rad from the east, counter-clockwise; curvature is
 height of each rail above the profile. Joints that a file gives twice, by its points and by its elements, are compared.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Sequence

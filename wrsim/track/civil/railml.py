@@ -6,8 +6,6 @@ per thousand. A curve has one radius: a transition leads from the curvature of t
 behind.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from functools import partial
