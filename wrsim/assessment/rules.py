@@ -13,18 +13,7 @@ from typing import Annotated, ClassVar, Literal
 from annotated_types import Predicate
 from pydantic import BeforeValidator, Field
 
-from wrsim.assessment.limits import (
-    INFORMATION,
-    QUANTITIES,
-    QUANTITY_NAMES,
-    AnyLimit,
-    Constant,
-    Force,
-    Limit,
-    LimitContext,
-    Quantity,
-    Radius,
-)
+from wrsim.assessment import limits
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check_section, opened
 from wrsim.inputs.section import Fault, Section
@@ -54,7 +43,7 @@ class ClauseSection(Section, header="[[clauses]]"):
 
     id: Annotated[str, text("a name of the clause")]
     """Name of the clause in this set."""
-    quantity: QUANTITY_NAMES.key()  # type: ignore[valid-type]
+    quantity: limits.QUANTITY_NAMES.key()  # type: ignore[valid-type]
     """What is judged."""
     evaluation_source: Annotated[str, text("where the evaluation stands, with its mark")] | None = None
     """Where it stands how the quantity is evaluated."""
@@ -80,20 +69,20 @@ class ClauseSection(Section, header="[[clauses]]"):
     """Coefficient for Nadal's limit; that of the run unless given."""
     lean: Annotated[float, number(0, 2)] | None = None
     """Mean Y/Q of the inner wheel from which the guiding force is reduced."""
-    lean_force_kN: Force | None = None
+    lean_force_kN: limits.Force | None = None
     """By how much for one of Y/Q."""
     part: Annotated[float, number(0, 2)] | None = None
     """Part of Q_qst in B_qst."""
-    limit: AnyLimit | None = None
+    limit: limits.AnyLimit | None = None
     """The limit; of quantities for information none is needed."""
     classes: List[str] = ()
     """Classes of track in which the limit holds; all unless given."""
 
     def consistency(self) -> Iterator[Fault]:
-        known = QUANTITIES[self.quantity]
+        known = limits.QUANTITIES[self.quantity]
         takes = known.takes.split()
         taken = {key.rstrip("?") for key in takes}
-        for key in {key for take in QUANTITIES.values() for key in take.takes.replace("?", "").split()} - taken:
+        for key in {key for take in limits.QUANTITIES.values() for key in take.takes.replace("?", "").split()} - taken:
             if key in self.model_fields_set:
                 allowed = f"takes {', '.join(sorted(taken))}" if taken else "takes no key of evaluation"
                 yield Fault(key, f'quantity "{self.quantity}" {allowed}')
@@ -102,22 +91,22 @@ class ClauseSection(Section, header="[[clauses]]"):
                 yield Fault(key, f'quantity "{self.quantity}" needs it', missing=True)
         unit = next(name for name, shown in SHOWN.items() if shown == known.shown)
         if self.limit is None:
-            if known.group != INFORMATION:
+            if known.group != limits.INFORMATION:
                 yield Fault("limit", f'quantity "{self.quantity}" is judged ({known.group})', missing=True)
-        elif unit not in (units := (self.limit.unit,) if isinstance(self.limit, Constant) else self.limit.units):
-            key, law = ("unit", "") if isinstance(self.limit, Constant) else ("law", f', this law "{units[0]}"')
+        elif unit not in (units := (self.limit.unit,) if isinstance(self.limit, limits.Constant) else self.limit.units):
+            key, law = ("unit", "") if isinstance(self.limit, limits.Constant) else ("law", f', this law "{units[0]}"')
             yield Fault(("limit", key), f'quantity "{self.quantity}" has the unit "{unit}"{law}')
 
-    def limit_at(self, about: LimitContext) -> Limit | None:
+    def limit_at(self, about: limits.LimitContext) -> limits.Limit | None:
         """The limit there; None where there is none."""
         if self.limit is None or (self.classes and about.zone not in self.classes):
             return None
         return self.limit.limit(about, self.judged.shown)
 
     @cached_property
-    def judged(self) -> Quantity:
+    def judged(self) -> limits.Quantity:
         """The quantity with this evaluation."""
-        known = QUANTITIES[self.quantity]
+        known = limits.QUANTITIES[self.quantity]
         evaluation = known.evaluation.replace("{}", ", ".join(self._evaluation()))
         return replace(known, evaluation=evaluation, source=self.evaluation_source or "")
 
@@ -145,7 +134,7 @@ class ClassSection(Section, header="[[classes]]"):
 
     name: Annotated[str, text("a name")]
     """Its name; the first class is "straight"."""
-    from_radius_m: Radius
+    from_radius_m: limits.Radius
     """The radius down to which it reaches."""
     lengths: Annotated[List[Two[Annotated[float, number(1, 1e5)]]], Field(min_length=1)]
     """Rows of a speed [km/h] and the length of sections [m] up to it; the last length holds beyond, too."""
@@ -226,7 +215,7 @@ class RulesFile(Section, header="a rule set"):
 
     def judging(self, *levels: str) -> list[ClauseSection]:
         """The clauses about what belongs to these."""
-        return [each for each in self.clauses if QUANTITIES[each.quantity].level in levels]
+        return [each for each in self.clauses if limits.QUANTITIES[each.quantity].level in levels]
 
     @property
     def needed(self) -> Mapping[str, int]:

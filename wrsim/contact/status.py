@@ -4,18 +4,8 @@ Every analysis reports them: static and steady poses in their message or remark,
 stability analyses as a remark at the speed; an overlap ends a run and is no steady motion.
 """
 
+from wrsim.contact import records
 from wrsim.contact.model import MOST_STRIPS
-from wrsim.contact.records import (
-    STATUS_COARSE,
-    STATUS_DISCONTINUOUS,
-    STATUS_LOAD_UNSOLVED,
-    STATUS_NO_CONTACT,
-    STATUS_NOT_CONVERGED,
-    STATUS_NOT_REFINED,
-    STATUS_OUT_OF_REACH,
-    STATUS_PROFILE_END,
-    STATUS_TOO_DEEP,
-)
 from wrsim.contact.wheel_rail import DEEPEST
 
 MOST_ELEMENTS = 200_000
@@ -27,15 +17,15 @@ NOT_CONVERGED = 256
 SUBSTITUTED = 1024  # a static pose of which the strip model has no solution
 
 WORDS = {
-    STATUS_NOT_REFINED: "a main point of contact was not found to round-off",
-    STATUS_PROFILE_END: "contact reaches the end of a profile, which is continued straight there",
-    STATUS_TOO_DEEP: f"wheel and rail overlap by more than {1e3 * DEEPEST:g} mm",
-    STATUS_NOT_CONVERGED: "the strip model was not solved: the forces are those of Kik and Piotrowski's",
-    STATUS_COARSE: "the budget of the strip model was spent: half as many strips, or a larger residual",
-    STATUS_NO_CONTACT: "no contact at any height: the wheel is beside its rail",
-    STATUS_OUT_OF_REACH: "the load is not reached within the approach allowed",
-    STATUS_DISCONTINUOUS: "no equilibrium: the contact force is discontinuous at this load",
-    STATUS_LOAD_UNSOLVED: "the strip model does not meet this load in the residuals allowed",
+    records.STATUS_NOT_REFINED: "a main point of contact was not found to round-off",
+    records.STATUS_PROFILE_END: "contact reaches the end of a profile, which is continued straight there",
+    records.STATUS_TOO_DEEP: f"wheel and rail overlap by more than {1e3 * DEEPEST:g} mm",
+    records.STATUS_NOT_CONVERGED: "the strip model was not solved: the forces are those of Kik and Piotrowski's",
+    records.STATUS_COARSE: "the budget of the strip model was spent: half as many strips, or a larger residual",
+    records.STATUS_NO_CONTACT: "no contact at any height: the wheel is beside its rail",
+    records.STATUS_OUT_OF_REACH: "the load is not reached within the approach allowed",
+    records.STATUS_DISCONTINUOUS: "no equilibrium: the contact force is discontinuous at this load",
+    records.STATUS_LOAD_UNSOLVED: "the strip model does not meet this load in the residuals allowed",
     TOO_MANY: (
         f"contact needs more than {MOST_ELEMENTS} elements or {MOST_ROWS} rows of them: give larger ones "
         "(contact.half_space)"
@@ -45,13 +35,13 @@ WORDS = {
     SUBSTITUTED: "the strip model has no solution at this load: the contact is that of the half-space solver",
 }
 
-UNSOLVED = STATUS_NOT_CONVERGED | STATUS_DISCONTINUOUS | STATUS_LOAD_UNSOLVED
+UNSOLVED = records.STATUS_NOT_CONVERGED | records.STATUS_DISCONTINUOUS | records.STATUS_LOAD_UNSOLVED
 """Bits of a prescribed load at which the strip model has no solution."""
 
-UNMET = STATUS_NO_CONTACT | STATUS_OUT_OF_REACH | UNSOLVED
+UNMET = records.STATUS_NO_CONTACT | records.STATUS_OUT_OF_REACH | UNSOLVED
 """Bits of a prescribed load that is not met."""
 
-REMARKS = STATUS_NOT_REFINED | STATUS_PROFILE_END | SUBSTITUTED
+REMARKS = records.STATUS_NOT_REFINED | records.STATUS_PROFILE_END | SUBSTITUTED
 """Bits of contacts that are solved nevertheless."""
 
 

@@ -13,21 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.plots.theme import (
-    LINE,
-    MM,
-    QUIET,
-    STOP_COLOUR,
-    TWO_COLUMNS,
-    WHEEL_COLOUR,
-    abscissa,
-    caption,
-    full_width,
-    new_figure,
-    style,
-    wrapped,
-    write_text,
-)  # fmt: skip
+from wrsim.plots import theme
 from wrsim.results import CHANNELS
 from wrsim.results.table import finite, quantity
 
@@ -38,7 +24,7 @@ more than this part of what is a jump anywhere."""
 
 def note(axes: Axes, text: str, point: tuple[float, float], offset: tuple[float, float], **options: Any) -> None:
     """Small words beside a point of the data; offset: from the point, in points."""
-    settings: dict[str, Any] = {"textcoords": "offset points", "fontsize": 6.5, "color": QUIET} | options
+    settings: dict[str, Any] = {"textcoords": "offset points", "fontsize": 6.5, "color": theme.QUIET} | options
     axes.annotate(minus(text), point, xytext=offset, **settings)
 
 
@@ -49,11 +35,11 @@ def note_above(axes: Axes, text: str, x: float, lift: float = 1.5) -> None:
 
 def remark(axes: Axes, text: str) -> None:
     """How to read the axes, small above them, in as many lines as it needs there."""
-    across = axes.get_window_extent().width / axes.figure.dpi / MM
-    axes.set_title(wrapped(caption(text), across, 6.5), fontsize=6.5, color=QUIET, pad=2.0)
+    across = axes.get_window_extent().width / axes.figure.dpi / theme.MM
+    axes.set_title(theme.wrapped(theme.caption(text), across, 6.5), fontsize=6.5, color=theme.QUIET, pad=2.0)
 
 
-@style()
+@theme.style()
 def panels(
     title: str,
     draws: Sequence[Callable[[Axes], object]],
@@ -68,9 +54,9 @@ def panels(
     """A figure of so many mm height under a title (and, in red, a note), with a panel for each function, row by row.
     share: panels share their horizontal axis, which only the lowest name; legend: entries beneath all panels, in so
     many columns ``across``; None: those of the first panel. Narrow figures have half the columns."""
-    narrow = max(columns // 2, 1) if full_width() < TWO_COLUMNS else columns
+    narrow = max(columns // 2, 1) if theme.full_width() < theme.TWO_COLUMNS else columns
     rows, drawn = ceil(len(draws) / narrow), list[Axes]()
-    figure = new_figure(full_width(), height * rows / ceil(len(draws) / columns))
+    figure = theme.new_figure(theme.full_width(), height * rows / ceil(len(draws) / columns))
     columns = narrow
     for i, draw in enumerate(draws):
         axes = figure.add_subplot(rows, columns, i + 1, sharex=drawn[0] if share and drawn else None)
@@ -79,26 +65,29 @@ def panels(
         if share and i + columns < len(draws):
             axes.tick_params(labelbottom=False)
             axes.set_xlabel("")
-    title, note = wrapped(caption(title), 0.97 * full_width(), 8.5), wrapped(note, 0.97 * full_width()) if note else ""
+    title, note = (
+        theme.wrapped(theme.caption(title), 0.97 * theme.full_width(), 8.5),
+        theme.wrapped(note, 0.97 * theme.full_width()) if note else "",
+    )
     if title or note:  # lines of the title that are empty make room for the note
         room = "\n" * (note.count("\n") + (1 if title else 0)) + (" " if note else "")
         figure.suptitle(title + room, x=0.012, ha="left", fontsize=8.5)
-    write_text(figure, 2.0, 5.5 + LINE * title.count("\n") if title else 2.0, note, color=STOP_COLOUR)
+    theme.write_text(figure, 2.0, 5.5 + theme.LINE * title.count("\n") if title else 2.0, note, color=theme.STOP_COLOUR)
     if entries := drawn[0].get_legend_handles_labels()[0] if legend is None else legend:
         legend_beneath(figure, entries, across)
     figure.align_ylabels(drawn)
     return figure
 
 
-@style()
+@theme.style()
 def large_and_small(
     title: str, large: Callable[[Axes], object], small: Sequence[Callable[[Axes], object]], height: float, width: float
 ) -> Figure:
     """A figure of so many mm height: a large panel, so many times as wide as small ones to its right with one axis, or,
     twice as high, above them in narrow figures."""
-    narrow = full_width() < TWO_COLUMNS
-    figure = new_figure(full_width(), height * (2.0 if narrow else 1.0))
-    if title := caption(wrapped(title, 0.97 * full_width(), 8.0)):
+    narrow = theme.full_width() < theme.TWO_COLUMNS
+    figure = theme.new_figure(theme.full_width(), height * (2.0 if narrow else 1.0))
+    if title := theme.caption(theme.wrapped(title, 0.97 * theme.full_width(), 8.0)):
         figure.suptitle(title, x=0.012, ha="left", fontsize=8.0)
     if narrow:
         grid = figure.add_gridspec(2 * len(small), 1)
@@ -131,9 +120,9 @@ def legend_beneath(
         if over > 0.0 and ncols > 1:
             legend.remove()
             continue
-        room = (max(text.get_window_extent().width for text in texts) - over) / figure.dpi / MM
+        room = (max(text.get_window_extent().width for text in texts) - over) / figure.dpi / theme.MM
         for text in texts if over > 0.0 else ():
-            text.set_text(wrapped(text.get_text(), room, float(text.get_fontsize()) / narrowing))
+            text.set_text(theme.wrapped(text.get_text(), room, float(text.get_fontsize()) / narrowing))
         return
 
 
@@ -160,7 +149,7 @@ def right_axis(axes: Axes) -> Axes:
 
 def wheel_entries(wheels: Iterable[Any] = ("left", "right")) -> list[Artist]:
     """Entries of a legend for the wheels."""
-    return [Line2D([], [], color=WHEEL_COLOUR[str(w)], label=f"{w} wheel") for w in wheels]
+    return [Line2D([], [], color=theme.WHEEL_COLOUR[str(w)], label=f"{w} wheel") for w in wheels]
 
 
 def draw_line(axes: Axes, x: NDArray[Any], y: NDArray[Any], **options: Any) -> None:
@@ -203,7 +192,7 @@ def is_stopped(dataset: xr.Dataset) -> bool:
 def mark_stop(axes: Axes, dataset: xr.Dataset) -> Axes:
     """A red line where a stopped run ended."""
     if is_stopped(dataset):
-        axes.axvline(_place(dataset)[0], color=STOP_COLOUR, linewidth=1.0, zorder=4.0, gid="stop")
+        axes.axvline(_place(dataset)[0], color=theme.STOP_COLOUR, linewidth=1.0, zorder=4.0, gid="stop")
     return axes
 
 
@@ -218,7 +207,7 @@ def stop_note(dataset: xr.Dataset) -> str:
 
 
 def _place(dataset: xr.Dataset) -> tuple[float, str]:
-    x, name = abscissa(dataset)
+    x, name = theme.abscissa(dataset)
     unit = CHANNELS[name].shown.symbol
     stop = finite(dataset.attrs.get(f"stop_{name}_{unit}"))
     return (stop if stop is not None else float(x[-1]) if x.size else 0.0), unit

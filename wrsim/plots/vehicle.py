@@ -10,21 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
+from wrsim.plots import theme
 from wrsim.plots.marks import panels
-from wrsim.plots.theme import (
-    FAINT,
-    INK,
-    QUIET,
-    RAIL_FILL,
-    SERIES_COLOURS,
-    WHEEL_FILL,
-    caption,
-    full_width,
-    head_height,
-    mm_axes,
-    new_figure,
-    style,
-)
 from wrsim.vehicle.couplings import GLYPHS
 from wrsim.vehicle.element_tables import KINDS, Glyph
 from wrsim.vehicle.elements import Element
@@ -43,12 +30,14 @@ def vehicle_view(axes: Axes, vehicle: Vehicle, view: str) -> None:
     for body in sorted(vehicle.bodies, key=lambda b: -b.box[h] * b.box[v]):
         width, height = body.box[h], body.box[v]
         corner = (sign * body.centre[h] - 0.5 * width, body.centre[v] - 0.5 * height)
-        look: Any = {"facecolor": RAIL_FILL, "edgecolor": QUIET, "linewidth": 0.7, "alpha": 0.8}
+        look: Any = {"facecolor": theme.RAIL_FILL, "edgecolor": theme.QUIET, "linewidth": 0.7, "alpha": 0.8}
         axes.add_patch(FancyBboxPatch(corner, width, height, "round,pad=0,rounding_size=0.06", **look))
-        axes.plot(sign * body.centre[h], body.centre[v], marker="+", color=INK, markersize=5.0, markeredgewidth=0.7)
+        axes.plot(
+            sign * body.centre[h], body.centre[v], marker="+", color=theme.INK, markersize=5.0, markeredgewidth=0.7
+        )
     for centre, radius in _wheels(vehicle):
         x, y = sign * centre[h], centre[v]
-        look = {"facecolor": WHEEL_FILL, "edgecolor": INK, "linewidth": 0.6}
+        look = {"facecolor": theme.WHEEL_FILL, "edgecolor": theme.INK, "linewidth": 0.6}
         if view == "from the side":
             axes.add_patch(Circle((x, y), radius, **look))
         else:
@@ -61,23 +50,23 @@ def vehicle_view(axes: Axes, vehicle: Vehicle, view: str) -> None:
         size = 4.6 if glyph.hollow else 2.2
         axes.plot(sign * middle[h], middle[v], markersize=size, markeredgewidth=0.7, **_mark(glyph))
     for point in vehicle.points:
-        axes.plot(sign * point.at[h], point.at[v], marker="x", color=QUIET, markersize=3.5, markeredgewidth=0.7)
+        axes.plot(sign * point.at[h], point.at[v], marker="x", color=theme.QUIET, markersize=3.5, markeredgewidth=0.7)
     if v == 2:
-        axes.axhline(0.0, color=INK, linewidth=0.8)
+        axes.axhline(0.0, color=theme.INK, linewidth=0.8)
     axes.set_aspect("equal")
     axes.set_title(view)
     axes.set(xlabel="xyz"[h] + " [m]" if h == 0 else "y [m]", ylabel="xyz"[v] + " [m]")
-    axes.grid(True, color=FAINT)
+    axes.grid(True, color=theme.FAINT)
 
 
-@style()
+@theme.style()
 def vehicle_figure(vehicle: Vehicle) -> Figure:
     """All three views on one scale."""
     low, high = _extent(vehicle)
     length, width, height = high - low
-    scale = (full_width() - 2.0 * MARGIN - GAP - 8.0) / (length + width)
-    rows, top = (height * scale, width * scale), TITLE + head_height(vehicle.name, "", full_width())
-    figure = new_figure(full_width(), top + rows[0] + GAP + 8.0 + rows[1] + FOOT, constrained=False)
+    scale = (theme.full_width() - 2.0 * MARGIN - GAP - 8.0) / (length + width)
+    rows, top = (height * scale, width * scale), TITLE + theme.head_height(vehicle.name, "", theme.full_width())
+    figure = theme.new_figure(theme.full_width(), top + rows[0] + GAP + 8.0 + rows[1] + FOOT, constrained=False)
     places = (
         (MARGIN, top, length * scale, rows[0]),
         (MARGIN + length * scale + GAP + 4.0, top, width * scale, rows[0]),
@@ -85,7 +74,7 @@ def vehicle_figure(vehicle: Vehicle) -> Figure:
     )
     for view, where in zip(VIEWS, places, strict=True):
         h, v = VIEWS[view]
-        axes = mm_axes(figure, *where)
+        axes = theme.mm_axes(figure, *where)
         vehicle_view(axes, vehicle, view)
         axes.set(xlim=(-high[1], -low[1]) if h == 1 else (low[h], high[h]), ylim=(low[v], high[v]))
         if h == 1:
@@ -95,7 +84,7 @@ def vehicle_figure(vehicle: Vehicle) -> Figure:
     kinds = {element.kind: glyph for element, glyph in _drawn_elements(vehicle)}
     handles = [Line2D([], [], markersize=4.0, label=kind, **_mark(glyph)) for kind, glyph in kinds.items()]
     figure.legend(handles=handles, loc="lower right", ncols=1, frameon=False, fontsize=7.0)
-    figure.suptitle(caption(vehicle.name), x=MARGIN / full_width(), ha="left", fontsize=9.0)
+    figure.suptitle(theme.caption(vehicle.name), x=MARGIN / theme.full_width(), ha="left", fontsize=9.0)
     return figure
 
 
@@ -150,7 +139,11 @@ def campbell_figure(title: str, axles: Sequence[Mapping[str, Any]]) -> Figure:
             for k, frequencies in enumerate(np.array(axle[f"{way}_Hz"]).T):
                 label = way if k == 0 else None
                 axes.plot(
-                    axle["speed_kmh"], frequencies, look, color=SERIES_COLOURS[k % len(SERIES_COLOURS)], label=label
+                    axle["speed_kmh"],
+                    frequencies,
+                    look,
+                    color=theme.SERIES_COLOURS[k % len(theme.SERIES_COLOURS)],
+                    label=label,
                 )
         axes.set(xlabel="speed [km/h]", ylabel="frequency [Hz]", ylim=(0.0, None), title=axle["wheelset"])
         axes.legend()

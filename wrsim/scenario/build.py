@@ -19,20 +19,12 @@ from wrsim.inputs.section import SIDES, on_side
 from wrsim.inputs.toml_files import noting_reads, read_bytes
 from wrsim.inputs.values import number
 from wrsim.register import ANALYSES, Analysis
+from wrsim.scenario import track_build
 from wrsim.scenario.kept import ATTRIBUTE, KeptFiles
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.contact import Coefficient, law_of
 from wrsim.scenario.sections.table import PlanContext
 from wrsim.scenario.sections.vehicle import SpeedTable
-from wrsim.scenario.track_build import (
-    check_flange_backs,
-    check_placement,
-    rails_of,
-    support_text,
-    surfaces_of,
-    track_of,
-    track_of_run,
-)
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.track.track import Track
 from wrsim.vehicle.loads import Drive
@@ -154,17 +146,17 @@ def _build(scenario: Scenario, shared: Callable[..., Any]) -> Setup[Any]:
     vehicle = shared("vehicle", ["vehicle"], lambda: vehicle_of(scenario))
     for key, message in _unfit(scenario, analysis, vehicle):
         raise scenario.fault(key, message)
-    rails = shared("rails", ["track"], lambda: rails_of(scenario))
-    track = shared("track", ["track"], lambda: track_of(scenario, rails))
+    rails = shared("rails", ["track"], lambda: track_build.rails_of(scenario))
+    track = shared("track", ["track"], lambda: track_build.track_of(scenario, rails))
 
     def placed() -> Any:
         wheelsets = dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets)
         by_gauge_points = spec.track.gauge_between == "gauge points"
         for each in wheelsets if by_gauge_points else ():
-            check_placement(scenario, each, rails, track)
-        surfaces = shared("surfaces", ["track"], lambda: surfaces_of(scenario, track))
+            track_build.check_placement(scenario, each, rails, track)
+        surfaces = shared("surfaces", ["track"], lambda: track_build.surfaces_of(scenario, track))
         for each in wheelsets if by_gauge_points and not conical else ():
-            check_flange_backs(scenario, each, rails, surfaces)
+            track_build.check_flange_backs(scenario, each, rails, surfaces)
         return surfaces
 
     conical = spec.contact.conical is not None
@@ -181,7 +173,7 @@ def _build(scenario: Scenario, shared: Callable[..., Any]) -> Setup[Any]:
         message = "knows rails of one profile only, not [[track.rail_sections]]"
         raise scenario.fault(("wear", "laws"), message)
     rollers = spec.track.rollers
-    track, begun = track_of_run(track, vehicle, plan) if analysis.moves else (track, "")
+    track, begun = track_build.track_of_run(track, vehicle, plan) if analysis.moves else (track, "")
     return Setup(
         title=spec.title,
         analysis=spec.analysis,
@@ -195,7 +187,9 @@ def _build(scenario: Scenario, shared: Callable[..., Any]) -> Setup[Any]:
         conical=None if spec.contact.conical is None else spec.contact.conical.to_si(ConicalWheels),
         plan=plan,
         text=scenario.text,
-        support=support_text(track, spec.track.structure is None, rollers) if analysis.moves or rollers else "",
+        support=track_build.support_text(track, spec.track.structure is None, rollers)
+        if analysis.moves or rollers
+        else "",
         irregularities="; ".join(filter(None, (*(each.label() for each in spec.track.irregularities), begun))),
     )
 

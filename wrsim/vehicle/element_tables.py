@@ -16,21 +16,10 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from wrsim.inputs.section import Choice, Fault, kinds_in
 from wrsim.inputs.values import Three, Two, number, positive, refuse, text
-from wrsim.vehicle.elements import (
-    ZERO,
-    BilinearSpring,
-    Element,
-    Normal,
-    PlaneFriction,
-    Slider,
-    Spring,
-    Strut,
-    Table,
-    Triple,
-)
+from wrsim.vehicle import elements
 
 
-def _rising(rows: Table) -> Table:
+def _rising(rows: elements.Table) -> elements.Table:
     for position, (before, row) in enumerate(pairwise(rows), 1):
         if row[0] <= before[0] or row[1] < before[1]:
             raise refuse(f"row [{position}] must not lie below the row before it, and further on: both rise")
@@ -64,15 +53,15 @@ AXIS: dict[Along, Literal[0, 1, 2]] = {"x": 0, "y": 1, "z": 2}
 class Axes:
     """Axes of a part in the vehicle's: origin [m], signs of x, y, z."""
 
-    origin: Triple = ZERO
-    signs: Triple = (1.0, 1.0, 1.0)
+    origin: elements.Triple = elements.ZERO
+    signs: elements.Triple = (1.0, 1.0, 1.0)
 
-    def point(self, point_mm: Triple) -> Triple:
+    def point(self, point_mm: elements.Triple) -> elements.Triple:
         """A point of the part in the vehicle's axes [m]."""
         x, y, z = (o + s * p / 1000.0 for o, s, p in zip(self.origin, self.signs, point_mm, strict=True))
         return x, y, z
 
-    def vector(self, values: Triple) -> Triple:
+    def vector(self, values: elements.Triple) -> elements.Triple:
         """A vector of the part, in kilo-units, in the vehicle's axes and plain ones."""
         x, y, z = (1e3 * s * v for s, v in zip(self.signs, values, strict=True))
         return x, y, z
@@ -121,14 +110,14 @@ class ElementTable(Choice, header="[[elements]]"):
         super().__init_subclass__(**rest)
         cls.glyph = glyph
 
-    def points(self) -> Iterator[Triple]:
+    def points(self) -> Iterator[elements.Triple]:
         """The points that are given [mm]."""
         for key in ("at_mm", "body_mm", "to_mm"):
             point = getattr(self, key, None)
             if point is not None:
                 yield point
 
-    def element(self, joint: Joint, axes: Axes) -> Element:
+    def element(self, joint: Joint, axes: Axes) -> elements.Element:
         """The element in SI units, its points in these axes."""
         raise NotImplementedError
 
@@ -141,9 +130,9 @@ class AxialTable(ElementTable):
     direction: Along
     """Axis of the body along which it acts."""
 
-    law: ClassVar[type[Strut]] = Strut
+    law: ClassVar[type[elements.Strut]] = elements.Strut
 
-    def element(self, joint: Joint, axes: Axes) -> Strut:
+    def element(self, joint: Joint, axes: Axes) -> elements.Strut:
         point = axes.point(self.at_mm)
         more = self.more(axes.signs[AXIS[self.direction]])
         return self.to_si(self.law, **joint._asdict(), ends=(point, point), axis=AXIS[self.direction], **more)
@@ -168,20 +157,20 @@ class SpringTable(ElementTable, kind="spring", glyph=Glyph("o", BLUE, hollow=Tru
 
     at_mm: Place
     """Point at which it acts."""
-    stiffness_kN_per_m: Stiffness = ZERO
+    stiffness_kN_per_m: Stiffness = elements.ZERO
     """Stiffness along the three axes."""
-    damping_kNs_per_m: Damping = ZERO
+    damping_kNs_per_m: Damping = elements.ZERO
     """Damping along the three axes."""
-    rotational_stiffness_kNm_per_rad: Three[Annotated[float, number(0, 1e8, "kN m/rad")]] = ZERO
+    rotational_stiffness_kNm_per_rad: Three[Annotated[float, number(0, 1e8, "kN m/rad")]] = elements.ZERO
     """Stiffness about the three axes."""
-    rotational_damping_kNms_per_rad: Three[Annotated[float, number(0, 1e6, "kN m s/rad")]] = ZERO
+    rotational_damping_kNms_per_rad: Three[Annotated[float, number(0, 1e6, "kN m s/rad")]] = elements.ZERO
     """Damping about the three axes."""
     preload_kN: Three[Annotated[float, number(-1e4, 1e4, "kN")]] | None = None
     """Force on the body at rest; solved for unless given."""
 
-    def element(self, joint: Joint, axes: Axes) -> Spring:
+    def element(self, joint: Joint, axes: Axes) -> elements.Spring:
         return self.to_si(
-            Spring, **joint._asdict(), at=axes.point(self.at_mm),
+            elements.Spring, **joint._asdict(), at=axes.point(self.at_mm),
             turning_stiffness=VEHICLE_AXES.vector(self.rotational_stiffness_kNm_per_rad),
             turning_damping=VEHICLE_AXES.vector(self.rotational_damping_kNms_per_rad),
             preload=None if self.preload_kN is None else axes.vector(self.preload_kN),
@@ -201,18 +190,20 @@ class ShearSpringTable(ElementTable, kind="shear-spring", glyph=Glyph("D", BLUE,
     """Stiffness against bending, about either axis across the column."""
     torsional_stiffness_kNm_per_rad: Annotated[float, number(0, 1e6, "kN m/rad")] = 0.0
     """Stiffness against twisting about the column."""
-    damping_kNs_per_m: Damping = ZERO
+    damping_kNs_per_m: Damping = elements.ZERO
     """Damping along the three axes."""
 
     def consistency(self) -> Iterator[Fault]:
         if self.body_mm[:2] != self.to_mm[:2] or self.body_mm[2] == self.to_mm[2]:
             yield Fault("to_mm", "must lie straight above or below body_mm: the column is vertical")
 
-    def element(self, joint: Joint, axes: Axes) -> Spring:
+    def element(self, joint: Joint, axes: Axes) -> elements.Spring:
         x, y, z = (0.5 * (a + b) for a, b in zip(self.body_mm, self.to_mm, strict=True))
         bending, torsion = 1e3 * self.bending_stiffness_kNm_per_rad, 1e3 * self.torsional_stiffness_kNm_per_rad
         turning = (bending, bending, torsion)
-        return self.to_si(Spring, **joint._asdict(), at=axes.point((x, y, z)), turning_stiffness=turning, column=True)
+        return self.to_si(
+            elements.Spring, **joint._asdict(), at=axes.point((x, y, z)), turning_stiffness=turning, column=True
+        )
 
 
 class TabulatedSpringTable(AxialTable, kind="tabulated-spring", glyph=Glyph("h", BLUE, hollow=True)):
@@ -280,12 +271,14 @@ class DamperTable(ElementTable, kind="damper", glyph=Glyph("s", "#D55E00")):
         if self.series_stiffness_kN_per_m is not None and flat:
             yield Fault("velocity_m_per_s_force_kN", "must rise everywhere next to series_stiffness_kN_per_m")
 
-    def element(self, joint: Joint, axes: Axes) -> Strut:
+    def element(self, joint: Joint, axes: Axes) -> elements.Strut:
         points = [axes.point(point) for point in self.points()]  # one on an axis, two on a line
         rows = tuple((v, 1e3 * f) for v, f in self.velocity_m_per_s_force_kN or ())
         table = both_ways(rows) if rows and rows[0][0] >= 0.0 else rows
         axis = None if self.direction is None else AXIS[self.direction]
-        return self.to_si(Strut, **joint._asdict(), ends=(points[0], points[-1]), axis=axis, damper_table=table)
+        return self.to_si(
+            elements.Strut, **joint._asdict(), ends=(points[0], points[-1]), axis=axis, damper_table=table
+        )
 
 
 class TractionRodTable(ElementTable, kind="traction-rod", glyph=Glyph("_", "#222222")):
@@ -306,8 +299,8 @@ class TractionRodTable(ElementTable, kind="traction-rod", glyph=Glyph("_", "#222
         if math.dist(self.body_mm, self.to_mm) < 1e-3:
             yield Fault("to_mm", "is the same point as body_mm: a rod needs a length")
 
-    def element(self, joint: Joint, axes: Axes) -> Strut:
-        rod = self.to_si(Strut, **joint._asdict(), ends=(axes.point(self.body_mm), axes.point(self.to_mm)))
+    def element(self, joint: Joint, axes: Axes) -> elements.Strut:
+        rod = self.to_si(elements.Strut, **joint._asdict(), ends=(axes.point(self.body_mm), axes.point(self.to_mm)))
         play = 1e-3 * self.clearance_mm
         table = both_ways(((play, 0.0), (play + 1.0, rod.stiffness)))
         return replace(rod, stiffness=0.0, spring_table=table) if play else rod
@@ -319,8 +312,10 @@ class AntiRollBarTable(ElementTable, kind="anti-roll-bar"):
     stiffness_kNm_per_rad: Annotated[float, positive(1e6, "kN m/rad")]
     """Moment over the difference of the roll of both bodies."""
 
-    def element(self, joint: Joint, axes: Axes) -> Spring:
-        return Spring(*joint, axes.point(ZERO), turning_stiffness=(1e3 * self.stiffness_kNm_per_rad, 0.0, 0.0))
+    def element(self, joint: Joint, axes: Axes) -> elements.Spring:
+        return elements.Spring(
+            *joint, axes.point(elements.ZERO), turning_stiffness=(1e3 * self.stiffness_kNm_per_rad, 0.0, 0.0)
+        )
 
 
 class FrictionTable(ElementTable, kind="friction", glyph=Glyph("D", "#CC79A7", hollow=True)):
@@ -350,18 +345,18 @@ class FrictionTable(ElementTable, kind="friction", glyph=Glyph("D", "#CC79A7", h
     stick_damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
     """Damping where it sticks."""
 
-    def element(self, joint: Joint, axes: Axes) -> Element:
+    def element(self, joint: Joint, axes: Axes) -> elements.Element:
         point = axes.point(self.at_mm)
         normal = None
         if self.normal_spring is not None:
-            normal = Normal(self.normal_spring, self.normal_factor, AXIS[self.normal_spring_axis])
-        slider = Slider(
+            normal = elements.Normal(self.normal_spring, self.normal_factor, AXIS[self.normal_spring_axis])
+        slider = elements.Slider(
             "coulomb", 1e3 * self.stick_stiffness_kN_per_m, 1e3 * self.friction * (self.normal_force_kN or 0.0),
             1e3 * self.stick_damping_kNs_per_m, self.friction, normal,
         )  # fmt: skip
         if self.plane is not None:
-            return PlaneFriction(*joint, point, ACROSS[self.plane], slider=slider)
-        return Strut(*joint, (point, point), AXIS[self.direction or "x"], slider=slider)
+            return elements.PlaneFriction(*joint, point, ACROSS[self.plane], slider=slider)
+        return elements.Strut(*joint, (point, point), AXIS[self.direction or "x"], slider=slider)
 
 
 class LeafSpringTable(AxialTable, kind="leaf-spring", glyph=Glyph("v", BLUE, hollow=True)):
@@ -382,9 +377,9 @@ class LeafSpringTable(AxialTable, kind="leaf-spring", glyph=Glyph("v", BLUE, hol
 
     def more(self, sign: float) -> dict[str, Any]:
         distance, force = 1e-3 * self.friction_travel_mm, 1e3 * (self.friction_force_kN or 0.0)
-        normal = None if self.friction_share is None else Normal("")
+        normal = None if self.friction_share is None else elements.Normal("")
         share = self.friction_share or 0.0
-        return {"slider": Slider("fancher", distance=distance, bound=force, friction=share, normal=normal)}
+        return {"slider": elements.Slider("fancher", distance=distance, bound=force, friction=share, normal=normal)}
 
 
 class RubberSpringTable(AxialTable, kind="rubber-spring", glyph=Glyph("H", BLUE)):
@@ -431,14 +426,14 @@ class AirSpringTable(AxialTable, kind="air-spring", glyph=Glyph("8", BLUE)):
         return {"damper_table": table, "slider": friction_part(self.friction_force_kN, self.friction_travel_mm)}
 
 
-def friction_part(force_kN: float | None, travel_mm: float | None) -> Slider | None:
+def friction_part(force_kN: float | None, travel_mm: float | None) -> elements.Slider | None:
     """Berg's friction, where it is given."""
     if force_kN is None or travel_mm is None:
         return None
-    return Slider("berg", bound=1e3 * force_kN, distance=1e-3 * travel_mm)
+    return elements.Slider("berg", bound=1e3 * force_kN, distance=1e-3 * travel_mm)
 
 
-def orifice(force: float, exponent: float) -> Table:
+def orifice(force: float, exponent: float) -> elements.Table:
     """Rows (velocity [m/s], force [N]) of force |v|^exponent, both ways."""
     count = int(np.ceil(PER_DECADE * np.log10(FASTEST / SLOWEST)))
     velocities = np.geomspace(SLOWEST, FASTEST, count + 1)
@@ -448,7 +443,7 @@ def orifice(force: float, exponent: float) -> Table:
 class BilinearSpringTable(AxialTable, kind="bilinear-spring", glyph=Glyph("p", BLUE, hollow=True)):
     """A nest of springs that only pushes, the inner one touched from a certain load on: of freight wagons."""
 
-    law = BilinearSpring
+    law = elements.BilinearSpring
 
     direction: Along = "z"
     """Axis of the body along which it acts."""
@@ -462,16 +457,16 @@ class BilinearSpringTable(AxialTable, kind="bilinear-spring", glyph=Glyph("p", B
     """Damping along the same axis."""
 
 
-def both_ways(rows: Table) -> Table:
+def both_ways(rows: elements.Table) -> elements.Table:
     """The odd continuation of a table that begins at or above 0."""
     positive = tuple(row for row in rows if row[0] > 0.0)
-    middle: Table = ((0.0, 0.0),)
+    middle: elements.Table = ((0.0, 0.0),)
     if rows[0][0] > 0.0 and rows[0][1] == 0.0:
         middle = ()  # free travel between the two stops
     return (*((-t, -f) for t, f in reversed(positive)), *middle, *positive)
 
 
-def along_axis(rows: Table, sign: float) -> Table:
+def along_axis(rows: elements.Table, sign: float) -> elements.Table:
     """A table of force against travel, rows in mm and kN, along an axis that may be turned round; in SI units."""
     if sign < 0.0:
         return tuple((-t / 1e3, -1e3 * f) for t, f in reversed(rows))
