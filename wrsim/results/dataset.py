@@ -21,6 +21,10 @@ FORMAT = "wrsim result"
 FORMAT_VERSION = 3
 COUNTS = ("steps", "evaluations", "jacobians", "cut_steps", "explicit_steps", "refined_steps")
 """What the integration of a run took, among the attributes of its result."""
+ASSUMPTIONS = {
+    "alignment": "track", "structure": "rails", "cant": "cant", "irregularities": "irregularities", "train": "train",
+}  # fmt: skip
+"""Attributes that say what is assumed of track and train, and words for them."""
 REQUIRED_ATTRIBUTES = ("title", "analysis", "status", "scenario_text")
 OF_VEHICLE = ("body", "point", "suspension", "coupling", "external_load")
 OF_WEAR = ("wear_law", "wear_zone")

@@ -17,7 +17,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.file_kinds import resolved
 from wrsim.register import ANALYSES
 from wrsim.results.channels import CHANNELS
-from wrsim.results.dataset import COUNTS
+from wrsim.results.dataset import ASSUMPTIONS, COUNTS
 from wrsim.results.netcdf import parts_of
 from wrsim.results.table import finite, quantity
 from wrsim.results.wheelsets import of_wheelset, wheelsets
@@ -118,11 +118,7 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
         counts = {name: int(attributes.get(name, 0)) for name in COUNTS}
         step = 1e3 * float(attributes["step_s"])
         summary["integration"] = {"integrator": attributes["integrator"], "step_ms": step, **counts}
-    summary |= {
-        name: attributes[name]
-        for name in ("alignment", "structure", "cant", "irregularities", "train")
-        if name in attributes
-    }
+    summary |= {name: attributes[name] for name in ASSUMPTIONS if name in attributes}
     summary |= resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset)
     summary |= _remarks(dataset, summary.get("energy"))
     names = (name for name in attributes if name.endswith("_version") and name != "format_version")

@@ -10,6 +10,7 @@ import xarray as xr
 from wrsim.inputs.file_kinds import resolved
 from wrsim.register import ANALYSES
 from wrsim.results.channels import CHANNELS, PATCHES, WHEELS
+from wrsim.results.dataset import ASSUMPTIONS
 from wrsim.results.moments import has_patches, with_patches
 from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_SPAN, OF_WHEELSET, PATCH_CHANNELS, PEAKS, Peak, wheel_peaks
 from wrsim.results.table import (
@@ -90,14 +91,7 @@ def patches_table(dataset: xr.Dataset, title: str) -> Table:
 def numbers_of(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     """What people read first of a result of any analysis, and the remarks on its contacts."""
     tables: list[Table] = resolved(ANALYSES[str(dataset.attrs["analysis"])].numbers)(dataset, summary)
-    keys = {
-        "alignment": "track",
-        "structure": "rails",
-        "cant": "cant",
-        "irregularities": "irregularities",
-        "train": "train",
-    }
-    about = [f"{word}: {summary[key]}" for key, word in keys.items() if key in summary]
+    about = [f"{word}: {summary[key]}" for key, word in ASSUMPTIONS.items() if key in summary]
     notes = (*about, *summary.get("profiles", ()), *first_lines(remarks(summary), "remarks"))
     return [*tables, Table("", notes=notes)] if notes else tables
 

@@ -78,6 +78,16 @@ class Setup(Generic[P]):
         sections = [section.profile for surface in self.surfaces if surface for section in surface.sections]
         return *wheels, *self.rails, *sections
 
+    @property
+    def assumptions(self) -> dict[str, str]:
+        """What is assumed of track and train, by the attributes of a result that say it."""
+        alignment = "" if self.track.alignment is None else self.track.alignment.described
+        texts = {
+            "structure": self.support, "cant": self.track.assumptions, "irregularities": self.irregularities,
+            "alignment": alignment, "train": self.vehicle.assumptions,
+        }  # fmt: skip
+        return {name: text for name, text in texts.items() if text}
+
     def attributes(self, stop_reason: str = "") -> dict[str, str | float | int]:
         """Attributes of a result; stop_reason: why the analysis did not reach its end, if so."""
         attributes: dict[str, str | float | int] = {
@@ -89,13 +99,8 @@ class Setup(Generic[P]):
             "vehicle": self.vehicle.name,
             ATTRIBUTE: self.kept.packed(),
             **noted(self.profiles),
+            **self.assumptions,
         }
-        attributes |= {"structure": self.support} if self.support else {}
-        attributes |= {"cant": self.track.assumptions} if self.track.assumptions else {}
-        attributes |= {"irregularities": self.irregularities} if self.irregularities else {}
-        if self.track.alignment is not None:
-            attributes["alignment"] = self.track.alignment.described
-        attributes |= {"train": self.vehicle.assumptions} if self.vehicle.assumptions else {}
         return attributes | ({"stop_reason": stop_reason} if stop_reason else {})
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from wrsim.contact.profiles.files import notes_of
 from wrsim.register import ANALYSES
+from wrsim.results.dataset import ASSUMPTIONS
 from wrsim.results.table import Column, Table, formatted
 from wrsim.scenario.build import Setup
 from wrsim.scenario.plausible_runs import run_doubts
@@ -76,11 +77,7 @@ def facts(setup: Setup) -> dict[str, Any]:
         "drive": setup.drive,
         "gauge_mm": 1e3 * setup.track.nominal_gauge,
         "rails": [rail.name for rail in setup.rails],
-        **({} if setup.track.alignment is None else {"alignment": setup.track.alignment.described}),
-        **({"structure": setup.support} if setup.support else {}),
-        **({"cant": setup.track.assumptions} if setup.track.assumptions else {}),
-        **({"irregularities": setup.irregularities} if setup.irregularities else {}),
-        **({"train": vehicle.assumptions} if vehicle.assumptions else {}),
+        **{name: setup.assumptions[name] for name in ASSUMPTIONS if name in setup.assumptions},
         "files": [str(f) for f in setup.files],
     }
     if notes := notes_of(setup.profiles):
