@@ -22,7 +22,7 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.plausibility import facts, warnings
 from wrsim.scenario.schema import ScenarioFile
 from wrsim.scenario.sections.static import read_cases
-from wrsim.scenario.track_build import rest_on_rail
+from wrsim.scenario.track_build import SAMPLES, flange_clearance, misplaced
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.track.track import RailElasticity
 from wrsim.vehicle.elements import Spring
@@ -192,9 +192,9 @@ def test_a_narrowing_without_room_and_a_default_that_does_not_fit_are_refused(tm
 def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing() -> None:
     """Flange thickness 32.5 mm, flange backs 1360 mm: (1435 - 1360)/2 - 32.5 = 5 mm a side."""
     setup = build(load_text(CURVE))
-    standing = rest_on_rail(setup.wheelset.left.profile, setup.rails[0], setup.wheelset.profile_spacing, 1.435)
-    assert standing.clearance == pytest.approx(5e-3, abs=1e-4)
-    assert not standing.on_flange
+    wheel, spacing = setup.wheelset.left.profile, setup.wheelset.profile_spacing
+    assert flange_clearance(wheel.table(SAMPLES)[0], spacing, 1.435) == pytest.approx(5e-3, abs=1e-4)
+    assert not misplaced(wheel, setup.rails[0], spacing, 1.435)
 
 
 @pytest.mark.parametrize(("changes", "words"), table("slips_that_are_allowed_are_warned_of"))

@@ -1,17 +1,12 @@
 """A vehicle at rest: masses, wheel loads, natural modes, stationary tests."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from wrsim.api import options
 from wrsim.api.options import Argument, Option, documented, into
 from wrsim.api.outcome import Outcome
 from wrsim.errors import InputError, SimulationError
-
-if TYPE_CHECKING:
-    pass
 
 
 @documented

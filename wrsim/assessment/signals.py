@@ -12,7 +12,6 @@ import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.assessment.hunting import Hunting
 from wrsim.assessment.limits import Limit, LimitContext
 from wrsim.assessment.nadal import Climbing, longest_stretch
 from wrsim.assessment.outcome import Array, AssessedSection, Value
@@ -25,6 +24,8 @@ from wrsim.results import filters
 from wrsim.results.channels import BOGIE_FRAME, CAR_BODY
 
 SIDES = (("left", 0), ("right", 1))
+BAND = (1.5, 10.0)  # in which the frequency of an instability lies [Hz]
+LOWEST = 0.4  # least lower edge of its band [Hz]
 FULL_CURVES = ("Y_qst", "Y_qst_reduced", "Q_qst", "B_qst")
 """What the outer wheel bears."""
 
@@ -32,6 +33,46 @@ FULL_CURVES = ("Y_qst", "Y_qst_reduced", "Q_qst", "B_qst")
 def about(section: AssessedSection, settings: AssessmentSettings, axle_load: float = 0.0) -> LimitContext:
     """What limits in a section depend on; axle_load [N]."""
     return LimitContext(settings.kind, axle_load, section.zone, abs(section.radius), section.speed)
+
+
+class Hunting:
+    """A lateral signal of a running gear about the frequency f0 of an instability (EN 14363, 7.5.3).
+
+    frequency: f0 [Hz], that of the highest peak of the power spectrum in ``BAND`` unless given; middles (k,) of the
+    windows [m], rms (k,) over them of the signal in the band of the clause about f0.
+    """
+
+    def __init__(
+        self, distance: Array, signal: Array, rate: float, frequency: float | None, clause: ClauseSection
+    ) -> None:
+        """rate: samples a second."""
+        half, window, step = given(clause.half_band_Hz), given(clause.window_m), given(clause.step_m)
+        self.frequency = frequency or _highest_peak(signal, rate)
+        narrow = filters.band_pass(signal, rate, max(self.frequency - half, LOWEST), self.frequency + half)
+        self.middles = filters.windows(distance, window, step)
+        self.rms = filters.sliding_rms(distance, narrow, self.middles, window)
+
+    def largest(self, section: AssessedSection) -> float | None:
+        """Largest rms in a section; None without a window there."""
+        inside = section.holds(self.middles)
+        return float(self.rms[inside].max()) if inside.any() else None
+
+
+def _highest_peak(signal: Array, rate: float) -> float:
+    """Its frequency in the power spectrum, in ``BAND`` [Hz]."""
+    length = min(signal.size, max(256, int(4.0 * rate)))
+    frequencies, power = scipy.signal.welch(signal, rate, nperseg=length, detrend="linear")
+    inside = (frequencies >= BAND[0]) & (frequencies <= BAND[1])
+    return float(frequencies[inside][np.argmax(power[inside])]) if inside.any() else 0.5 * sum(BAND)
+
+
+def hunting(
+    clause: ClauseSection | None, distance: Array, signal: Array, rate: float, settings: AssessmentSettings
+) -> Hunting | None:
+    """A lateral signal about the frequency of an instability, where there is a clause about it."""
+    if clause is None:
+        return None
+    return Hunting(distance, signal, rate, settings.instability_frequency, clause)
 
 
 class Forces:
@@ -257,15 +298,6 @@ def quasi_static(
                     evaluated = abs(y) + given(clause.part) * q
                 limit = None if key == "Y_qst" and reduced else clause.limit_at(here)
                 yield axle.value(clause, section, evaluated, limit, SIDES[outer][0])
-
-
-def hunting(
-    clause: ClauseSection | None, distance: Array, signal: Array, rate: float, settings: AssessmentSettings
-) -> Hunting | None:
-    """A lateral signal about the frequency of an instability, where there is a clause about it."""
-    if clause is None:
-        return None
-    return Hunting(distance, signal, rate, settings.instability_frequency, clause)
 
 
 class AssessedPoint:

@@ -7,10 +7,12 @@ pose), a column for every channel of every wheelset, wheel, patch, body, point, 
 import io
 import logging
 import tempfile
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
 from wrsim.results.files import as_json, csv_parts, plain_disk_errors, safe_cell, write_atomically
@@ -81,17 +83,26 @@ def _csv(result: Result) -> bytes:
 
 
 def _parquet(result: Result) -> bytes:
+    named = columns(result.dataset)
+    table = ((n, values, {"unit": c.shown.symbol, "long_name": c.long_name}) for n, c, values in named)
+    return parquet_table("--to parquet", table, {key: str(value) for key, value in result.dataset.attrs.items()})
+
+
+def parquet_table(
+    command: str, table: Iterable[tuple[str, NDArray[Any], dict[str, str]]], about: Mapping[str, str | bytes]
+) -> bytes:
+    """A table as Parquet: names, values and metadata of its columns, metadata of all. Raises ``InputError`` that names
+    the command where the library is missing."""
     try:
         import pyarrow as pa
         import pyarrow.parquet as parquet
     except ImportError:
-        raise InputError(f"--to parquet needs pyarrow: {EXTRA}") from None
+        raise InputError(f"{command} needs pyarrow: {EXTRA}") from None
     arrays, fields = [], []
-    for name, channel, values in columns(result.dataset):
-        about = {"unit": channel.shown.symbol, "long_name": channel.long_name}
+    for name, values, metadata in table:
         arrays.append(pa.array(values))
-        fields.append(pa.field(name, arrays[-1].type, metadata=about))
-    schema = pa.schema(fields, metadata={key: str(value) for key, value in result.dataset.attrs.items()})
+        fields.append(pa.field(name, arrays[-1].type, metadata=metadata))
+    schema = pa.schema(fields, metadata=about)
     stream = io.BytesIO()
     parquet.write_table(pa.Table.from_arrays(arrays, schema=schema), stream)
     return stream.getvalue()

@@ -1,22 +1,41 @@
 """A scenario file as a whole: which tables there are and how they go together."""
 
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from typing import Annotated, Any, Literal
 
 from pydantic import create_model
 
+from wrsim.contact.profiles.file_kinds import PointsKeys
+from wrsim.contact.profiles.files import reading_as
 from wrsim.inputs.file_kinds import resolved
 from wrsim.inputs.reference import tables_in
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import text
 from wrsim.register import ANALYSES, TABLES, Analysis
 from wrsim.scenario.sections.contact import ContactSection
-from wrsim.scenario.sections.profiles import ProfilesSection
 from wrsim.scenario.sections.track import TrackSection
 from wrsim.scenario.sections.vehicle import VehicleSection
 
 OWN_TRACK = ("segments", "table", "grades", "irregularities")
 """Keys of [track] that an analysis which lays its own track does not take."""
+
+
+class PointsSection(PointsKeys, header="[profiles.wheel] or [profiles.rail]"):
+    """How files of points of wheels or of rails are read, where they and profile files do not say it."""
+
+
+class ProfilesSection(Section, header="[profiles]"):
+    """How files of points are read that a scenario or its vehicle names directly."""
+
+    wheel: PointsSection = PointsSection.model_construct()
+    """Files of wheels."""
+    rail: PointsSection = PointsSection.model_construct()
+    """Files of rails."""
+
+    def reading(self) -> AbstractContextManager[None]:
+        """Within this block files are read so."""
+        return reading_as({"wheel": self.wheel.options(), "rail": self.rail.options()})
 
 
 class ScenarioSpec(Section, header="a scenario"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -285,7 +285,7 @@ def check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile
     gauges = track.gauge(np.concatenate([ends, np.arange(0.0, track.length, 0.5)]))
     for gauge in sorted({nominal, float(gauges.min()), float(gauges.max())}, key=lambda g: abs(g - nominal)):
         for side, wheel, rail in zip(SIDES, (wheelset.left, wheelset.right), rails, strict=True):
-            reason = _misplaced(rest_on_rail(wheel.profile, rail, wheelset.profile_spacing, gauge))
+            reason = misplaced(wheel.profile, rail, wheelset.profile_spacing, gauge)
             if not reason:
                 continue
             message = (
@@ -317,43 +317,14 @@ def check_flange_backs(
                 raise scenario.fault(("vehicle", "model" if name is None else key), f"{fault}: {more}")
 
 
-def _misplaced(s: Seat) -> str:
-    """What is wrong with a wheel on its rail; empty if nothing is."""
-    if math.isnan(s.u_wheel):
-        return "wheel misses its rail"
-    if s.on_flange:
-        return "wheel rests with its flange on the rail"
-    if s.clearance < 0.0:
-        return f"flange overlaps the gauge face by {-1e3 * s.clearance:.3g} mm"
-    if s.rail_top > s.reach or s.u_wheel > s.reach - 2e-3:
-        return f"wheel ends {1e3 * (s.rail_top - s.reach):.3g} mm inside of the top of its rail"
-    return ""
-
-
 SAMPLES = 0.1e-3
 """Distance of the samples along both profiles of a wheel on its rail [m]."""
 FLANGE_SLOPE = 0.6
 """A wheel profile steeper than this (31 degrees), inside of the tape circle, belongs to the flange."""
 
 
-@dataclass(frozen=True)
-class Seat:
-    """How one wheel of a centred wheelset rests on its rail.
-
-    u_wheel: where it rests, on the wheel profile [m], not-a-number when wheel and rail miss each other; on_flange: it
-    rests on the flange; clearance: from the flange, 10 mm below the tape circle, to the gauge point of the rail [m],
-    infinite without flange; reach: u of the outer end of the wheel [m]; rail_top: u of the rail's highest point [m].
-    """
-
-    u_wheel: float
-    on_flange: bool
-    clearance: float
-    reach: float
-    rail_top: float
-
-
-def rest_on_rail(wheel: Profile, rail: Profile, spacing: float, gauge: float) -> Seat:
-    """Lower the wheel of a centred wheelset vertically on its rail.
+def misplaced(wheel: Profile, rail: Profile, spacing: float, gauge: float) -> str:
+    """What is wrong with the wheel of a centred wheelset that is lowered vertically on its rail; empty if nothing is.
 
     wheel, rail: profiles, the rail inclined; spacing: distance H of the wheel profile origins [m]; gauge [m],
     at the gauge point of the inclined rail.
@@ -364,16 +335,23 @@ def rest_on_rail(wheel: Profile, rail: Profile, spacing: float, gauge: float) ->
     low = _envelope(tread[:, 0], -tread[:, 1])
     high = _envelope(head[:, 0] + offset, head[:, 1])
     left, right = max(low[0][0], high[0][0]), min(low[0][-1], high[0][-1])
-    rail_top = rail.top[0] + offset
-    root = flange_root(tread)
-    clearance = 0.5 * (gauge - spacing) - flange_face(tread) if np.isfinite(root) else np.inf
-    reach = float(tread[:, 0].max())
     if right - left < SAMPLES:
-        return Seat(float("nan"), False, clearance, reach, rail_top)
+        return "wheel misses its rail"
     u = np.arange(left, right, SAMPLES)
-    gap = -np.interp(u, *low) - np.interp(u, *high)
-    u_wheel = float(u[np.argmin(gap)])
-    return Seat(u_wheel, bool(u_wheel < root), clearance, reach, rail_top)
+    u_wheel = float(u[np.argmin(-np.interp(u, *low) - np.interp(u, *high))])  # where it rests
+    if u_wheel < flange_root(tread):
+        return "wheel rests with its flange on the rail"
+    if (clearance := flange_clearance(tread, spacing, gauge)) < 0.0:
+        return f"flange overlaps the gauge face by {-1e3 * clearance:.3g} mm"
+    rail_top, reach = rail.top[0] + offset, float(tread[:, 0].max())
+    if rail_top > reach or u_wheel > reach - 2e-3:
+        return f"wheel ends {1e3 * (rail_top - reach):.3g} mm inside of the top of its rail"
+    return ""
+
+
+def flange_clearance(tread: Array, spacing: float, gauge: float) -> float:
+    """From the flange, 10 mm below the tape circle, to the gauge point of the rail [m]; infinite without flange."""
+    return 0.5 * (gauge - spacing) - flange_face(tread) if np.isfinite(flange_root(tread)) else np.inf
 
 
 def flange_root(tread: Array) -> float:

@@ -1,13 +1,9 @@
 """Labelled runs of a study as a table for training: inputs, outputs, name of the case, a row a case."""
 
-import io
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
-from wrsim.errors import InputError
-from wrsim.results.exports import EXTRA
+from wrsim.results.exports import parquet_table
 from wrsim.results.files import as_json
 from wrsim.results.table import Column, Table
 
@@ -38,20 +34,10 @@ def labelled_columns(study: xr.Dataset) -> dict[str, tuple[np.ndarray, dict[str,
 
 def as_parquet(study: xr.Dataset) -> bytes:
     """The columns as Parquet; the file's metadata: title, texts of study and scenario, versions. Raises InputError."""
-    try:
-        import pyarrow as pa
-        import pyarrow.parquet as parquet
-    except ImportError:
-        raise InputError(f"wrsim dataset needs pyarrow: {EXTRA}") from None
-    arrays, fields = [], []
-    for name, (values, about) in labelled_columns(study).items():
-        arrays.append(pa.array(values.astype(str) if values.dtype.kind == "O" else values))
-        fields.append(pa.field(name, arrays[-1].type, metadata=about))
-    texts: dict[str, Any] = {key: value for key, value in study.attrs.items() if isinstance(value, str)}
-    schema = pa.schema(fields, metadata={"wrsim": as_json(texts)})
-    stream = io.BytesIO()
-    parquet.write_table(pa.Table.from_arrays(arrays, schema=schema), stream)
-    return stream.getvalue()
+    columns = labelled_columns(study).items()
+    table = ((name, v.astype(str) if v.dtype.kind == "O" else v, about) for name, (v, about) in columns)
+    texts = {key: value for key, value in study.attrs.items() if isinstance(value, str)}
+    return parquet_table("wrsim dataset", table, {"wrsim": as_json(texts)})
 
 
 def labelled_table(study: xr.Dataset) -> Table:

@@ -332,13 +332,8 @@ class Track:
     def relaid(self, segments: Sequence[Segment]) -> Track:
         """Another track, of these segments, with the same rails, gauge and cant base."""
         left, right = ((curve.outward, curve.height) for curve in (self.left_curve, self.right_curve))
-        rails: dict[str, Any] = {
-            "left_offset": left,
-            "right_offset": right,
-            "structure": self.structure,
-            "pivot": self.pivot,
-        }
-        return Track.build(segments, self.nominal_gauge, cant_base=self.cant_base, **rails)
+        rails: dict[str, Any] = {"left_offset": left, "right_offset": right, "structure": self.structure}
+        return Track.build(segments, self.nominal_gauge, cant_base=self.cant_base, pivot=self.pivot, **rails)
 
     def features(self) -> tuple[Feature, ...]:
         """The segments in order, with labels and distances, for plots and reports."""
