@@ -11,6 +11,7 @@ from wrsim.jit import Array, Ints
 from wrsim.simulation.implicit_step import METHOD, GeneralizedAlpha
 from wrsim.track.sleepers import SleeperTrack
 from wrsim.track.track import RailElasticity, Track
+from wrsim.vehicle.dynamics import sleeper_rails as systems
 from wrsim.vehicle.dynamics import sleepers as kernel
 
 MOVE = 6
@@ -54,7 +55,7 @@ class RailsOnSleepers:
         self._filled: float = np.nan
         self._prepared: tuple[float, float] = (np.nan, np.nan)
         """First sleeper (of those that differ) and step that the factors belong to; step 0: statics."""
-        on_rails = np.zeros(len(places), kernel.WHEEL_ON_RAIL)
+        on_rails = np.zeros(len(places), systems.WHEEL_ON_RAIL)
         on_rails["side"] = [wheel.side for wheel in wheels]
         on_rails["place"], on_rails["push_b"] = places, -weight / len(places)
         on_rails["step_distance"] = kernel.SHORTEST
@@ -62,9 +63,9 @@ class RailsOnSleepers:
         along = np.array([track.rail_distance("left", lines), track.rail_distance("right", lines), lines])
         beam, n = sleepers.rail, len(places)
         head = np.array([beam.height - beam.shear_centre, beam.shear_modulus * beam.torsion])
-        here, behind = (kernel.Loads(np.zeros((n, 3, 6)), np.zeros((n, 2, 6), dtype=np.intp)) for _ in range(2))
+        here, behind = (systems.Loads(np.zeros((n, 3, 6)), np.zeros((n, 2, 6), dtype=np.intp)) for _ in range(2))
         nodes = np.zeros(self.count * sleepers.elements + 1)
-        self.rails = kernel.Rails(self._pair(0), self._pair(2), nodes, on_rails, here, behind, head, along)
+        self.rails = systems.Rails(self._pair(0), self._pair(2), nodes, on_rails, here, behind, head, along)
         self.method = np.zeros(10)
         self.guess = np.zeros((3, 2 * n))
         """Displacements, velocities and accelerations of the rails under the wheels from which a step starts."""
@@ -94,7 +95,7 @@ class RailsOnSleepers:
         with the largest force so far."""
         i = int(np.argmin(self.wheels["last_b"]))
         if -self.wheels["last_b"][i] > self.peak[0]:
-            hardest, rows = self.wheels[i], self.rails.vertical.rows[:, kernel.U, self._deflections]
+            hardest, rows = self.wheels[i], self.rails.vertical.rows[:, systems.U, self._deflections]
             self.peak[:] = np.concatenate([[-hardest.last_b, i, hardest.place], q, self.rails.nodes, *rows])
 
     def memory(self) -> list[Array]:
@@ -138,7 +139,7 @@ class RailsOnSleepers:
         self._pressed[:] = 0.0
         for r in range(2 if len(self._pressed) else 0):
             system, given = self.rails.vertical.rows[r], self.rails.vertical.given[r]
-            u, u_t = system[kernel.P] + c * system[kernel.U_TT], system[kernel.P_T] + d * system[kernel.U_TT]
+            u, u_t = system[systems.P] + c * system[systems.U_TT], system[systems.P_T] + d * system[systems.U_TT]
             self._pressed[:] += self._follow.T @ given - self._held[r].T @ u - self._dragged[r].T @ u_t
 
     def look_at_wheels(self, q: Array, q_t: Array, q_tt: Array) -> None:
@@ -160,25 +161,25 @@ class RailsOnSleepers:
         if self._prepared != (self._matrices, step):
             method, (c, d) = GeneralizedAlpha.from_spectral_radius(RADIUS), METHOD.increments(step)
             self.method[:9] = step, *method, *method.increments(step), 1.0 / c, d / c
-            kernel.prepare(1.0, self.method[6], self.method[5], self.rails)
+            systems.prepare(1.0, self.method[6], self.method[5], self.rails)
             self._prepared = self._matrices, step
 
     def _lie(self, rolling: bool) -> None:
         """Lay the rails, at rest or as wheels that roll along keep them deflected, under the wheels' forces."""
         self._move(True)
-        kernel.place(self.rails)
-        kernel.prepare(0.0, 0.0, 1.0, self.rails)
+        systems.place(self.rails)
+        systems.prepare(0.0, 0.0, 1.0, self.rails)
         self._prepared = self._matrices, 0.0
-        kernel.rest(rolling, self.rails)
+        systems.rest(rolling, self.rails)
 
     def _rest_at_start(self) -> RailElasticity:
         """Place the wheels at rest; how a rail yields to its own wheel there."""
         self._lie(False)
-        kernel.compliances(1.0, self.rails)
+        systems.compliances(1.0, self.rails)
         on_rails = self.wheels
         stiffness = float(1.0 / on_rails["nn"].mean()), float(1.0 / on_rails["bb"].mean())
         for i, (on_rail, wheel) in enumerate(zip(on_rails, self._records, strict=True)):
-            n, b = kernel.read(kernel.U, i, self.rails.loads, self.rails)
+            n, b = systems.read(systems.U, i, self.rails.loads, self.rails)
             wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = on_rail.nn, on_rail.nb, on_rail.bb
             # the other wheels with their mean forces
             wheel.free_n = n - (on_rail.nb - on_rail.element_nb) * on_rail.push_b
@@ -188,14 +189,14 @@ class RailsOnSleepers:
         mass = STARTING_MASS * stiffness[0] / stiffness[1]
         return RailElasticity(stiffness, (0.0, 0.0), (mass, STARTING_MASS))
 
-    def _pair(self, system: int) -> kernel.Pair:
+    def _pair(self, system: int) -> systems.Pair:
         sleepers = self.sleepers
         layout = sleepers.layout(self.count, system)
         band, n = (2, layout.size, layout.width + 1), layout.size
         mass, damping, stiffness, factors, inverse = np.zeros((5, *band))
-        rows, bending = np.zeros((2, kernel.ROWS, n)), np.zeros((2, self.count * sleepers.elements))
+        rows, bending = np.zeros((2, systems.ROWS, n)), np.zeros((2, self.count * sleepers.elements))
         shear = np.array([sleepers.rail.shear("vertical" if system < 2 else "lateral")])
-        return kernel.Pair(
+        return systems.Pair(
             np.array([layout.per_node, sleepers.elements]), mass, damping, stiffness, factors, inverse,
             np.zeros((2, n)), np.zeros((2, n)), rows, bending, shear,
         )  # fmt: skip
