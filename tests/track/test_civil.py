@@ -136,6 +136,23 @@ def test_a_track_with_reverse_curves_in_a_vertical_curve_is_exported_exactly(tmp
         assert "would be written over" in refused
 
 
+def test_cant_is_exported_on_a_profile_as_ifc_has_it(tmp_path: Path) -> None:
+    # ISO 16739-1:2024, IfcAlignment: a layout is of plan, of plan and profile, or of plan, profile and cant
+    level = replace(long_line("centre line"), profile=())
+    text = ifc_text(level, 1.5, "2026-11-29")
+    assert text.count("IFCALIGNMENTVERTICAL(") == text.count("IFCALIGNMENTCANT(") == 1
+    assert "IFCALIGNMENTVERTICAL(" not in ifc_text(replace(level, cant=()), 1.5, "2026-11-29")
+    again = Track.from_laws(read_alignment(written(tmp_path, "ifc", text)).laws(1.5)[0])
+    assert np.ptp(again.centre_line.position(np.linspace(0.0, again.length, 100))[:, 2]) < 1e-9
+
+
+def test_what_segments_do_not_fit_is_said_with_their_file(tmp_path: Path) -> None:
+    track = tmp_path / "bend.toml"
+    track.write_text(edited(TABLES["own"], 'form = "helmert"', 'form = "viennese"'))
+    said = refusal("track", track)
+    assert said.startswith(f"{track}:") and "track.segments: segment" in said and "centre_of_gravity_height_m" in said
+
+
 def test_the_rounding_of_kinks_of_cant_is_said_and_is_no_more(tmp_path: Path) -> None:
     track, sharp = (track_model(written(tmp_path, "ifc")), read_alignment(written(tmp_path, "ifc")))
     raw, _ = alignment_laws(sharp.plan, sharp.cant_rows(), sharp.profile_rows(), 1.5, rounding=1e-6)

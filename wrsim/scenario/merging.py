@@ -196,7 +196,9 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
 
 
 def _with_keys(merged: Merged, names: set[str]) -> Merged:
-    """A scenario with these keys of its [track] alone, and with the owners of what it has."""
+    """A scenario with these keys of its [track] alone, and with the owners of what it has; without any, [track] is
+    another's."""
     data = {**merged.data, "track": {key: value for key, value in merged.data["track"].items() if key in names}}
-    owners = {path: owner for path, owner in merged.owners.items() if holds_key(data, path)}
+    owned = data if names else {key: value for key, value in data.items() if key != "track"}
+    owners = {path: owner for path, owner in merged.owners.items() if holds_key(owned, path)}
     return replace(merged, data=data, owners=owners)

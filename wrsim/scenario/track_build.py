@@ -132,7 +132,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
     row: tuple[Segment, ...] = tuple(s.to_geometry() for s in section.segments)
     uneven: list[Disturbance] = []
     line, base = None, section.cant_base
-    with scenario.faults_at(("track",)):
+    with scenario.faults_at(("track", "segments") if row else ("track",)):
         if section.table is not None:
             table = TrackTable.read(scenario.find(("track", "table"), section.table))
             law: Laws = table.laws(gauge)

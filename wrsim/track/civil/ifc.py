@@ -328,10 +328,10 @@ def ifc_text(line: CivilLine, base: float, date: str) -> str:
         kind = ("CIRCULARARC" if e.start else "LINE") if constant else _kind(PLAN_FORMS, e.form)
         rows_of["HORIZONTAL"].append((point, heading, *radii, e.length, e.centre_of_gravity_height, Word(f".{kind}.")))
     rows_of["HORIZONTAL"].append((points[-1], headings[-1], 0.0, 0.0, 0.0, None, Word(".LINE.")))
-    for p in line.profile_rows() if line.profile else []:
+    for p in line.profile_rows() if line.profile or line.cant else []:  # cant stands on a profile, be it level
         kind = "CONSTANTGRADIENT" if p.slope_start == p.slope_end else _kind(PROFILE_FORMS, p.form)
         rows_of["VERTICAL"].append((p.start, p.length, p.height, p.slope_start, p.slope_end, None, Word(f".{kind}.")))
-    if line.profile:
+    if rows_of["VERTICAL"]:
         last = p.end, 0.0, p.end_height, p.slope_end, p.slope_end, None, Word(".CONSTANTGRADIENT.")
         rows_of["VERTICAL"].append(last)
     for c in line.cant_rows() if line.cant else []:
