@@ -31,8 +31,8 @@ from typing import Any, ClassVar
 
 import llvmlite
 import numba
-from llvmlite import binding
-from numba.core.caching import FunctionCache, IndexDataCacheFile
+from llvmlite import binding, ir
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.runtime import rtsys
 
 from wrsim.system import NO_LINK
@@ -246,10 +246,31 @@ def _same_permissions(folder: Path) -> bool:
     return True
 
 
+class Stored(CompileResultCacheImpl):
+    """What is stored of a kernel: machine code, the names of its functions, and LLVM's code for those who link it. To
+    read that takes most of the time to load a kernel, so it is done when it is asked for."""
+
+    def reduce(self, cres: Any) -> Any:
+        names = ir.Module()
+        for one in cres.library._get_module_for_linking().functions:
+            if not one.is_declaration:
+                function = ir.Function(names, ir.FunctionType(ir.VoidType(), ()), one.name)
+                ir.IRBuilder(function.append_basic_block()).unreachable()
+        (name, kind, (machine_code, code)), *others = super().reduce(cres)
+        return code, (name, kind, (machine_code, binding.parse_assembly(str(names)).as_bitcode())), *others
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        code, *others = payload
+        made = super().rebuild(target_context, others)
+        made.library._get_module_for_linking = lambda: binding.parse_bitcode(code)
+        return made
+
+
 class KernelCache(FunctionCache):
     """The user's cache of a kernel, and behind it the kernels that were shipped. What cannot be loaded is removed and
     compiled again."""
 
+    _impl_class = Stored
     shipped = shipped(CACHE)
     """Kernels that came with the package (`Shipped`), of all caches."""
     faults: ClassVar[set[str]] = set()

@@ -24,6 +24,7 @@ import logging
 import os
 import time
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numba
@@ -167,6 +168,11 @@ class Kernel(CPUDispatcher):
         self._part_compiler.library = InlinedLibrary
         self._parts: dict[tuple[tuple[types.Type, ...], bool], Any] = {}
 
+    @cached_property
+    def _cache(self) -> KernelCache:
+        """Made when it is asked for: most kernels are parts of others."""
+        return KernelCache(self.py_func)
+
     def compile(self, sig: Any) -> Any:
         """For arguments of these types. The cache knows types in words under another key than those of a call."""
         return super().compile(sigutils.normalize_signature(sig)[0])
@@ -210,8 +216,10 @@ def _declared(plain: bool = PLAIN, noalias: bool = False, **options: Any) -> Cal
         made: Any = numba.jit(**options)(function) if plain else Kernel(function, targetoptions=dict(options))
         if not plain:
             made._compiler.noalias = made._part_compiler.noalias = noalias
-        if CACHE:
+        if CACHE and plain:
             made._cache = KernelCache(function)
+        elif CACHE:
+            del made._cache  # numba's, which keeps nothing
         return made
 
     return declare
