@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from support import contacts
 from support.allocations import allocations
 from support.hertz import hertz
+from support.influence import made_table
 from support.rows import rows_of
 from support.sweeps import jumps, steepest
 
@@ -67,6 +68,10 @@ def test_primitive_of_the_influence_of_a_strip(xi, t):
     found = displacement_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0, False)
     assert found.fore == pytest.approx(exact, rel=2e-5)
     assert found.aft == pytest.approx(found.fore, rel=1e-12)
+
+
+def test_the_table_of_the_package_is_that_of_its_integral():
+    np.testing.assert_allclose(influence_table(), made_table(), rtol=1e-12)
 
 
 @pytest.mark.parametrize("xi", BESIDE)

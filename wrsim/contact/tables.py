@@ -6,12 +6,10 @@ from functools import cache, lru_cache
 from importlib.resources import files
 
 import numpy as np
-import scipy
 
 from wrsim.contact.creep.flexibility import ASPECTS, SLENDEREST
 from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import Array, ContactSettings
-from wrsim.contact.strips.influence import HIGHEST, INNER, LOWEST, OUTER, RISE, SHARP, STEPS, STEPS_BESIDE
 from wrsim.contact.surfaces.distance_field import DistanceField, distance_field
 from wrsim.contact.surfaces.rolled_rail import RolledRail, station_fields
 
@@ -133,7 +131,7 @@ def creep_coefficients(poisson_ratio: float) -> Array:
 
 def monotone_cubic(x: Array, y: Array, places: Array) -> Array:
     """The cubics of Fritsch and Butland through y (n, k) at rising x, at places within: scipy's pchip, whose import
-    takes as long as all tables here."""
+    takes longer than all tables here."""
     h = np.diff(x)[:, None]
     m = np.diff(y, axis=0) / h
     first, second = 2.0 * h[1:] + h[:-1], h[1:] + 2.0 * h[:-1]
@@ -156,42 +154,7 @@ def influence_table() -> Array:
     """Coefficients of the cubic spline of PHI/t, see `contact.strips.influence`: (places of xi + 3, of t + 2), in
     the last row for xi = 0.
 
-    PHI is the integral of sqrt(1 - x^2) asinh(t/|x - xi|) over x; its pieces begin and end where that is singular.
+    PHI is the integral of sqrt(1 - x^2) asinh(t/|x - xi|) over x. ``tests/support/influence.py`` has written the table.
     """
-    beside = _at_octave(INNER + np.arange((OUTER - INNER) * STEPS_BESIDE + 1) / STEPS_BESIDE)
-    xi = np.sqrt(np.maximum(1.0 + 0.5 * (beside - 1.0 / beside) / SHARP, 0.0))
-    t = _at_octave(LOWEST + np.arange((HIGHEST - LOWEST) * STEPS + 1) / STEPS)
-    z, w = np.polynomial.legendre.leggauss(40)
-    z, w = 0.5 * (1.0 + z), 0.5 * w
-    # flat at both ends of a piece: takes the singularities off
-    share, w = z**3 * (10.0 - 15.0 * z + 6.0 * z * z), w * 30.0 * z**2 * (1.0 - z) ** 2
-    value = np.zeros((xi.size, t.size))
-    for i, middle in enumerate(xi):
-        for lo, hi in ((-1.0, min(middle, 1.0)), (min(middle, 1.0), 1.0)):
-            x = lo + (hi - lo) * share
-            weights = (hi - lo) * w * np.sqrt(1.0 - x * x)
-            value[i] += weights @ np.arcsinh(t / np.maximum(np.abs(x - middle), 1e-300)[:, None])
-    table = _spline(_spline(value / t).T).T
-    return np.vstack([table, (table[0] + 4.0 * table[1] + table[2]) / 6.0])
-
-
-def _at_octave(octave: Array) -> Array:
-    """The numbers with these octaves, see `contact.strips.influence.octave`, by Newton's method."""
-    whole = np.floor(octave)
-    z = part = octave - whole
-    rise = np.polynomial.Polynomial((0.0, *RISE))
-    for _ in range(6):
-        z = z - (rise(z) - part) / rise.deriv()(z)
-    return np.asarray(2.0**whole * (1.0 + z))
-
-
-def _spline(values: Array) -> Array:
-    """Coefficients of cubic B-splines through values at whole numbers, along the first axis; third differences of the
-    coefficients vanish at both ends."""
-    n = len(values)
-    bands = np.repeat([[0.0], [1.0], [4.0], [1.0], [0.0]], n, axis=1)
-    bands[0, 2] = bands[4, -3] = 1.0
-    bands[1, 1] = bands[3, -2] = -2.0
-    bands[2, [0, -1]] = 7.0
-    c = scipy.linalg.solve_banded((2, 2), bands, 6.0 * values)
-    return np.concatenate([[3.0 * (c[0] - c[1]) + c[2]], c, [3.0 * (c[-1] - c[-2]) + c[-3]]])
+    with files("wrsim.contact").joinpath("data/influence.npy").open("rb") as stream:
+        return np.asarray(np.load(stream))

@@ -2,7 +2,7 @@
 
 A strip presses the surface down by differences of PHI (strip-phi), however wide it is, near or far. PHI/t is a cubic
 spline at equal steps of the octaves of t and of y + sqrt(y^2 + 1), y = SHARP (xi^2 - 1), which is fine beside the end
-of the line, xi = 1, where (strip-line) bends within t. `wrsim.contact.tables` makes its coefficients; the last row has
+of the line, xi = 1, where (strip-line) bends within t. `wrsim.contact.tables` has its coefficients; the last row are
 those of the spline at xi = 0.
 """
 
