@@ -155,8 +155,8 @@ for panel, members in PANELS.items():
 def main() -> None:
     """Entry point of the ``wrsim`` command."""
     any_output()
-    # a hundred thousand lasting objects of libraries are looked through again and again otherwise: a second of a run
-    gc.set_threshold(50_000, 20, 100)
+    # three hundred thousand lasting objects of libraries are looked through otherwise: a second of a run
+    gc.set_threshold(400_000, 20, 100)
     atexit.register(gc.freeze)  # nor at the end, where it takes half a second
     named = [each for each in app.registered_commands if each.name in sys.argv[1:2]]
     app.registered_commands = named or app.registered_commands  # the options of all others take time to read

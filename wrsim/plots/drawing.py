@@ -5,6 +5,7 @@ numbers, then both take picture after picture until all are drawn. What the seco
 so errors are met here, as they are without it.
 """
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -40,6 +41,7 @@ def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
     with warnings.catch_warnings():
         # from 3.12 on: "may lead to deadlocks"; the only other threads are those of BLAS, which stop for a fork
         warnings.simplefilter("ignore", DeprecationWarning)
+        gc.freeze()  # to look through all that is there would copy its pages in the second process
         second.start()
     sender.close()
 
@@ -55,6 +57,7 @@ def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
         second.terminate()
         second.join()
         receiver.close()
+        gc.unfreeze()
 
 
 def save_all(figures: Makers, directory: str | Path) -> list[Path]:
