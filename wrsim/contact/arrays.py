@@ -17,9 +17,7 @@ class Arrays(NamedTuple):
     wheel: Any  # (n, 5) table of the profile (contact.surfaces.profile_table)
     rail: Any  # the same of the rail in (o, b), with its inclination
     rates: Any  # of the rail's table along s; (0, 0) for one profile
-    stations: (
-        Any  # (4, n): place, number of the field, sine of the rail's own axes and its rate; (2, 1) for one profile
-    )
+    stations: Any  # (4, n): place, number of the field, sine of the rail's axes and its rate; (2, 1) for one profile
     field: Any  # signed distances of the rail, see contact.search.points
     creep: Any  # (ASPECTS, 3) Kalker's coefficients
     shape: Any  # (cells,) traction bound over the cells of a strip

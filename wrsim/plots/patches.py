@@ -101,10 +101,9 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     columns = gallery.columns_of(dataset, chosen)
     count = len(columns)
     most = gallery.most_moments()
-    folded = (
-        count > most and len(gallery.patches_in(dataset, columns)) < 2
-    )  # so that the last line is as full as can be
+    folded = count > most and len(gallery.patches_in(dataset, columns)) < 2
     widths = range(most, max(most - 3, 0), -1)
+    # the last line of a folded row is as full as can be
     page = gallery.Page(min(widths, key=lambda n: -count % n) if folded else max(min(count, most), 1))
     parts = (columns[i : i + page.columns] for i in range(0, len(columns), page.columns))
     blocks = [(part, gallery.patches_in(dataset, part)) for part in parts]

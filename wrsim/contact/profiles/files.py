@@ -15,9 +15,8 @@ from typing import Any, NamedTuple, get_args
 import numpy as np
 
 from wrsim.contact.profiles import formats, program_formats
-from wrsim.contact.profiles.alignment import aligned
 from wrsim.contact.profiles.formats import METRES, Scan, Side
-from wrsim.contact.profiles.placing import WIDTHS, Heights, Origin, check_gauge_side, groove_of, placed
+from wrsim.contact.profiles.placing import WIDTHS, Heights, Origin, aligned, check_gauge_side, groove_of, placed
 from wrsim.contact.profiles.points import (
     CUTOFF,
     LARGEST_GAP,
