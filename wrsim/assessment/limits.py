@@ -134,19 +134,19 @@ class LimitLaw(Choice, header="limit"):
     words: Annotated[str, text("a few words")] | None = None
     """What the limit is, for tables."""
 
-    def limit(self, about: LimitContext, shown: Shown) -> Limit | None:
+    def limit(self, about: LimitContext) -> Limit | None:
         """The limit there; None where it does not hold or something that it depends on is unknown."""
         if self.from_radius_m is not None and abs(about.radius) < self.from_radius_m * (1.0 - 1e-6):
             return None
-        valued = self.value_at(about, shown)
+        valued = self.value_at(about)
         if valued is None:
             return None
         value, derivation = valued
         ahead = self.source if self.from_radius_m is None else f"{self.source}, R >= {self.from_radius_m:g} m"
         return Limit(value, ": ".join(filter(None, (ahead, self.words or "", derivation))), self.mark)
 
-    def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str] | None:
-        """The value in SI units and what there is to say about it. shown: the unit of constants."""
+    def value_at(self, about: LimitContext) -> tuple[float, str] | None:
+        """The value in SI units and what there is to say about it."""
         raise NotImplementedError
 
 
@@ -158,8 +158,9 @@ class Constant(LimitLaw, kind="constant"):
     unit: Literal[*SHOWN]  # type: ignore[valid-type]
     """Unit of the value, that of the quantity."""
 
-    def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
-        return _of_kind(self.value, about.kind) * (1.0 / shown.factor), about.kind * isinstance(self.value, ByKind)
+    def value_at(self, about: LimitContext) -> tuple[float, str]:
+        value = _of_kind(self.value, about.kind) * (1.0 / SHOWN[self.unit].factor)
+        return value, about.kind * isinstance(self.value, ByKind)
 
 
 class Prudhomme(LimitLaw, kind="prudhomme"):
@@ -176,7 +177,7 @@ class Prudhomme(LimitLaw, kind="prudhomme"):
     part: Annotated[float, positive(1)] = 1.0
     """Part of it that is allowed."""
 
-    def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
+    def value_at(self, about: LimitContext) -> tuple[float, str]:
         k1, part = _of_kind(self.k1, about.kind), f"{self.part:g} " * (self.part != 1.0)
         derivation = f"{part}k1 ({self.constant_kN:g} kN + 2Q0/{self.divisor:g}), k1 = {k1:g} (Prud'homme)"
         return self.part * (k1 * (1e3 * self.constant_kN + about.axle_load / self.divisor)), derivation
@@ -190,7 +191,7 @@ class AxleShare(LimitLaw, kind="axle-share"):
     constant_kN: Force
     """The force a."""
 
-    def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
+    def value_at(self, about: LimitContext) -> tuple[float, str]:
         derivation = f"{self.share:g} + {self.constant_kN:g} kN/2Q0"
         return self.share + 1e3 * self.constant_kN / about.axle_load, derivation
 
@@ -207,7 +208,7 @@ class WheelForce(LimitLaw, kind="wheel-force"):
     beyond_kN: Force
     """The largest limit at higher speeds."""
 
-    def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
+    def value_at(self, about: LimitContext) -> tuple[float, str]:
         kmh = 3.6 * about.speed - 1e-6
         most = next((1e3 * force for speed, force in self.most if kmh <= speed), 1e3 * self.beyond_kN)
         derivation = f"{self.constant_kN:g} kN + Q0, at most {most / 1e3:g} kN at this speed"
@@ -222,7 +223,7 @@ class BySpeed(LimitLaw, kind="speed"):
     beyond: Annotated[float, number(0, 1e4)]
     """The limit at higher speeds."""
 
-    def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
+    def value_at(self, about: LimitContext) -> tuple[float, str]:
         value = next((value for speed, value in self.most if 3.6 * about.speed - 1e-6 <= speed), self.beyond)
         return value, f"{3.6 * about.speed:.4g} km/h"
 
@@ -241,7 +242,7 @@ class ByRadius(LimitLaw, kind="radius"):
     beyond_kN: Force
     """The limit from there on."""
 
-    def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
+    def value_at(self, about: LimitContext) -> tuple[float, str]:
         if about.radius >= self.to_radius_m:
             return 1e3 * self.beyond_kN, ""
         derivation = f"{self.constant_kN:g} kN + {self.slope_kNm:g} kN m/Rm, Rm = {about.radius:.0f} m"
@@ -251,7 +252,7 @@ class ByRadius(LimitLaw, kind="radius"):
 class Nadal(LimitLaw, kind="nadal"):
     """(tan g - mu)/(1 + mu tan g) (Nadal 1896): g from the run, mu from the run or from `friction` of the clause."""
 
-    def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str] | None:
+    def value_at(self, about: LimitContext) -> tuple[float, str] | None:
         return about.nadal
 
 
@@ -267,7 +268,7 @@ class BogieMass(LimitLaw, kind="bogie-mass"):
     part: Annotated[float, positive(1)]
     """Part of it that is allowed."""
 
-    def value_at(self, about: LimitContext, shown: Shown) -> tuple[float, str]:
+    def value_at(self, about: LimitContext) -> tuple[float, str]:
         derivation = f"{self.part:g} ({self.constant:g} - m/{self.divisor:g}), bogie of {about.bogie_mass / 1e3:.3g} t"
         return self.part * (self.constant - about.bogie_mass / (1e3 * self.divisor)), derivation
 

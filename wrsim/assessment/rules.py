@@ -101,7 +101,7 @@ class ClauseSection(Section, header="[[clauses]]"):
         """The limit there; None where there is none."""
         if self.limit is None or (self.classes and about.zone not in self.classes):
             return None
-        return self.limit.limit(about, self.judged.shown)
+        return self.limit.limit(about)
 
     @cached_property
     def judged(self) -> limits.Quantity:

@@ -245,10 +245,8 @@ def similar_files(path: Path) -> str:
     return _listing(sorted(n for n in names if n.endswith(path.suffix or ".toml")))
 
 
-def _listing(names: list[str], most: int = 8) -> str:
-    if not names:
-        return ""
-    return "; there are " + ", ".join(names[:most]) + (", ..." if len(names) > most else "")
+def _listing(names: list[str]) -> str:
+    return "; there are " + ", ".join(names[:8]) + (", ..." if len(names) > 8 else "") if names else ""
 
 
 def _syntax_message(reason: str, text: str, name: str) -> str:

@@ -157,12 +157,12 @@ def _text(value: object) -> str:
 
 def verdict_page(
     title: str, summary: str, tables: dict[str, Table], notes: Sequence[str], sentence: str, passed: bool,
-    texts: dict[str, str], figures: Makers | None = None, cover: Cover = NO_COVER,
+    texts: dict[str, str], figures: Makers | None = None,
 ) -> str:  # fmt: skip
     """The report of a type test, a validation or a calibration as HTML. tables: by their headings; sentence: the
     verdict; texts: files by name."""
     page = {
-        "cover": cover.of(title),
+        "cover": NO_COVER.of(title),
         "version": __version__,
         "verdict": ReportVerdict(OPEN if passed else BAD, sentence),
         "summary": summary,

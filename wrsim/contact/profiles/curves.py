@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def arclengths(velocity: Callable[[Array], Array], t: Array, points: int = 8) -> Array:
+def arclengths(velocity: Callable[[Array], Array], t: Array) -> Array:
     """Arclength at the parameters t (n,) of a plane curve from t[0], given its derivative (n, 2) as a function."""
-    return np.append(0.0, np.cumsum(gauss_integrals(lambda x: np.hypot(*velocity(x).T), t[:-1], t[1:], points)))
+    return np.append(0.0, np.cumsum(gauss_integrals(lambda x: np.hypot(*velocity(x).T), t[:-1], t[1:], 8)))
 
 
 AT_ONCE = 10_000  # integrals that are taken side by side: some 10 MB

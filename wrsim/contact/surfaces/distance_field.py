@@ -28,13 +28,13 @@ class DistanceField:
     spacing: float
 
 
-def distance_field(rail: Profile, spacing: float = SPACING) -> DistanceField:
+def distance_field(rail: Profile) -> DistanceField:
     """Field of a rail profile (already inclined) over its bounding box with a margin all around."""
     n = int(np.ceil(rail.length / SAMPLE)) + 1
     arc = np.linspace(0.0, rail.length, n)
-    low, counts = grid_about(np.column_stack(rail.at(arc)), spacing)
-    values = field_of_points(arc, np.column_stack((*rail.at(arc), *rail.tangent(arc))), low, counts, spacing)
-    return DistanceField(values, low, spacing)
+    low, counts = grid_about(np.column_stack(rail.at(arc)), SPACING)
+    values = field_of_points(arc, np.column_stack((*rail.at(arc), *rail.tangent(arc))), low, counts, SPACING)
+    return DistanceField(values, low, SPACING)
 
 
 def grid_about(points: Array, spacing: float) -> tuple[tuple[float, float], tuple[int, int]]:

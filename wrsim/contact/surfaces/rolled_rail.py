@@ -82,8 +82,8 @@ class RolledRail:
 
 
 @lru_cache(maxsize=8)
-def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> RolledRail:
-    """The effective rail for wheels of this radius; step: of the rows [m].
+def rolled_rail(surface: RailSurface, radius: float) -> RolledRail:
+    """The effective rail for wheels of this radius.
 
     Raises ``InputError`` where the rail is so steep that a wheel touches it more than REACH ahead of its axle.
     """
@@ -95,13 +95,12 @@ def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> Roll
     for curves in zip(*effective.values(), strict=True):
         ends_of = [(arc[0], arc[-1]) for arc, _ in curves if arc.size]
         first, last = min(a for a, _ in ends_of), max(b for _, b in ends_of)
-        arcs.append(
-            np.asarray(step * np.arange(int(np.floor(first / step)), int(np.ceil(last / step)) + 1), dtype=float)
-        )
+        numbers = np.arange(int(np.floor(first / ROWS)), int(np.ceil(last / ROWS)) + 1)
+        arcs.append(np.asarray(ROWS * numbers, dtype=float))
     known = {x: _table(curves, arcs) for x, curves in effective.items()}
     unsure = list(pairwise(s.tolist()))
     while unsure:
-        now = _joined(surface, known, step)
+        now = _joined(surface, known)
         again = []
         for low, high in unsure:
             if high - low < 2.0 * CLOSEST:
@@ -113,13 +112,13 @@ def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> Roll
             known[middle] = table
             again += [(low, middle), (middle, high)]
         unsure = again
-    return _joined(surface, known, step)
+    return _joined(surface, known)
 
 
-def _joined(surface: RailSurface, known: dict[float, Array], step: float) -> RolledRail:
+def _joined(surface: RailSurface, known: dict[float, Array]) -> RolledRail:
     s = np.array(sorted(known))
     tables = np.stack([known[float(x)] for x in s])
-    return RolledRail(surface, s, tables, _rates(s, tables, surface.heading(s)), step)
+    return RolledRail(surface, s, tables, _rates(s, tables, surface.heading(s)), ROWS)
 
 
 def _is_good(rail: RolledRail, s: float, table: Array) -> bool:
