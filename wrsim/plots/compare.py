@@ -151,7 +151,7 @@ def _arc(dataset: xr.Dataset, where: PatchAt) -> float:
     here = dataset.sel(wheel=where.wheel).isel({moment_dim(dataset): where.moment})
     y, z = (shown(here, f"rail_profile_{n}") for n in ("y", "z"))
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(z)))])
-    middle = int(np.argmin(np.abs(strips["strip_s"].values)))
+    middle = int(np.argmin(np.abs(strips.variables["strip_s"])))
     point = shown(strips, "strip_y")[middle], shown(strips, "strip_z")[middle]
     return float(arc[np.argmin(np.hypot(y - point[0], z - point[1]))] - shown(strips, "strip_s")[middle])
 

@@ -20,7 +20,7 @@ from wrsim.plots.marks import few_ticks, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, patches_at, select, touching_runs
 from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
 from wrsim.plots.theme import INK, QUIET, RAIL_FILL, WHEEL_COLOUR, WHEEL_FILL, pressure_map, shown
-from wrsim.results.moments import moment_dim
+from wrsim.results.moments import Strips, moment_dim
 
 OVERVIEW = (-88.0, 58.0, -42.0, 22.0)  # window of the overview: o and b, mm
 FAN = 0.38  # length of the longest pressure line over the height of the zoomed window
@@ -68,7 +68,7 @@ def patch_on_section(
             axes.add_collection(LineCollection(lines, colors=QUIET, linewidths=0.4, zorder=2.6, gid="normals"))
 
 
-def pressed_curve(strips: xr.Dataset) -> tuple[Array, Array, Array]:
+def pressed_curve(strips: Strips) -> tuple[Array, Array, Array]:
     """Points (n, 2) along an island from edge to edge in mm, normals (n, 2) and pressures (n,) in MPa. Towards an edge
     the pressure falls with the square root of the distance, as in ``patches``."""
     y, z, angle, p, ds = (shown(strips, f"strip_{n}") for n in ("y", "z", "angle", "p", "ds"))

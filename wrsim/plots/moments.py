@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wrsim.plots.marks import minus
 from wrsim.plots.theme import shown
 from wrsim.results import CHANNELS
-from wrsim.results.moments import moment_dim, order_of_strips, sample_of, with_patches
+from wrsim.results.moments import Strips, moment_dim, order_of_strips, sample_of, with_patches
 from wrsim.results.table import quantity
 
 
@@ -51,17 +51,15 @@ def snapshot_letter(index: int) -> str:
     return (ascii_lowercase[index // 26 - 1] if index >= 26 else "") + ascii_lowercase[index % 26]
 
 
-def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
-    """The strips of one patch by increasing s: the channels that are drawn, with the ``strip`` dimension alone."""
+def select(dataset: xr.Dataset, where: PatchAt) -> Strips:
+    """The strips of one patch by increasing s: the channels that are drawn."""
     index = _indices(dataset, where)
-    # plain arrays: labels of everything, carried along, cost a tenth of a gallery
-    names = ("s", "ds", "x", "a", "p", "angle", "y", "z", "N")
-    drawn = {f"strip_{n}": dataset.variables[f"strip_{n}"] for n in names if f"strip_{n}" in dataset}
-    values = {
-        name: var.values[tuple(index.get(str(dim), slice(None)) for dim in var.dims)] for name, var in drawn.items()
-    }
+    values = {}
+    for name in (f"strip_{n}" for n in ("s", "ds", "x", "a", "p", "angle", "y", "z", "N")):
+        if (variable := dataset.variables.get(name)) is not None:
+            values[name] = variable.values[tuple(index.get(str(dim), slice(None)) for dim in variable.dims)]
     used = order_of_strips(values["strip_s"], values["strip_p"])
-    return xr.Dataset({name: ("strip", var[used], drawn[name].attrs) for name, var in values.items()})
+    return Strips({name: array[used] for name, array in values.items()})
 
 
 def _indices(dataset: xr.Dataset, where: PatchAt) -> dict[str, Any]:
@@ -80,14 +78,14 @@ def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArr
     return (s[rows], x[columns], np.nan_to_num(p[np.ix_(rows, columns)])) if columns.any() else None
 
 
-def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:
+def touching_runs(strips: Strips) -> list[Strips]:
     """The strips under pressure, split where a gap lies between neighbours: the islands of one patch."""
-    a, p = (strips.variables[f"strip_{name}"].values for name in "ap")
+    a, p = (strips.variables[f"strip_{name}"] for name in "ap")
     pressed = np.flatnonzero((a > 0.0) & (p > 0.0))
-    s, ds = (strips.variables[f"strip_{name}"].values[pressed] for name in ("s", "ds"))
+    s, ds = (strips.variables[f"strip_{name}"][pressed] for name in ("s", "ds"))
     gaps = np.flatnonzero(np.diff(s) > 0.75 * (ds[1:] + ds[:-1])) + 1
     islands = [part for part in np.split(pressed, gaps) if part.size]
-    return [strips if part.size == a.size else strips.isel(strip=part) for part in islands]
+    return [Strips({name: array[part] for name, array in strips.variables.items()}) for part in islands]
 
 
 def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:

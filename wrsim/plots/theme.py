@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
 from wrsim.results import CHANNELS, write_atomically
+from wrsim.results.moments import Strips
 from wrsim.results.units import CHOICE, Conversion, heading_in, in_text
 
 WHEEL_COLOUR = {"left": "#0072B2", "right": "#D55E00"}
@@ -271,9 +272,9 @@ def rendered(figure: Figure, kind: str = "png", dpi: int = 220) -> bytes:
     return stream.getvalue()
 
 
-def shown(dataset: xr.Dataset, name: str) -> NDArray[np.float64]:
+def shown(dataset: xr.Dataset | Strips, name: str) -> NDArray[np.float64]:
     """Values of a channel in the unit for readers; not-a-number, which is not drawn, also for infinite ones."""
-    values = np.asarray(dataset.variables[name].values, dtype=float) * CHANNELS[name].shown.factor
+    values = np.asarray(dataset.variables[name], dtype=float) * CHANNELS[name].shown.factor
     return np.where(np.isfinite(values), values, np.nan)
 
 

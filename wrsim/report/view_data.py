@@ -328,8 +328,8 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
                 pressure = np.interp(nodes, walked, p)
                 moments.append(m)
                 shapes.append(np.stack((points_of[0], points_of[1], 10.0 * points_of[2], 50.0 * pressure / most), 1))
-                force = strips["strip_N"].values
-                mean = mean_contact_angle(strips["strip_angle"].values, force)
+                force = strips.variables["strip_N"]
+                mean = mean_contact_angle(strips.variables["strip_angle"], force)
                 numbers.append((float(force.sum()) * 1e-3, float(np.degrees(mean)), float(p.max())))
     wear = {"wear": worn_outlines(mine, on_wheel, on_rail)} if worn else {}
     return wear | {

@@ -1,6 +1,7 @@
 """The moments of which a result holds contact patches, snapshots of a run or poses; one patch as arrays."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -24,6 +25,12 @@ def with_patches(dataset: xr.Dataset) -> NDArray[np.bool_]:
     """Whether a moment holds strips, for every moment."""
     strips = np.isfinite(dataset["strip_p"].values)
     return strips.reshape(strips.shape[0], -1).any(axis=1)
+
+
+class Strips(NamedTuple):
+    """Strips of one patch: values (strip,) of channels by their names, as those of a dataset."""
+
+    variables: dict[str, Array]
 
 
 def order_of_strips(s: Array, p: Array) -> NDArray[np.intp]:
