@@ -159,6 +159,17 @@ def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact(crossi
         assert patch["p0"] == pytest.approx(p0, rel=0.05)
 
 
+def test_a_wheel_above_a_changing_rail_is_not_in_it() -> None:
+    # points of the wheel beside the field of distances have no foot on the rail, however near the field's edge
+    sections = read_crossing(ROOT / "models/crossings/60E1_1in9.toml")
+    surface = RailSurface("60E1 1:9", tuple(one for one in sections if abs(one.distance + 0.2) < 0.3))
+    model = on(surface, "kik-piotrowski", wheel_profile("worn"))
+    axle = (-5.6e-3, 1.0, 0.6e-3)
+    for lateral in np.linspace(-8e-3, 8e-3, 161):
+        above = model.evaluate((0.0, lateral, RADIUS + 0.01), axle, place=-0.2)
+        assert not len(above.patches) and above.closest > 4e-3
+
+
 @pytest.mark.parametrize("place", [0.42, pytest.param(0.41, marks=pytest.mark.campaign)])
 def test_wing_and_nose_share_the_load_as_by_the_exact_solver(place) -> None:
     """On the shipped crossing; errors of strips on single patches are .0008 / .0121 (median, 95 %)."""

@@ -190,8 +190,9 @@ def _at_changing_rail(
     rail: Rail, slack: float, point: Node, last: Sample, adjacent: bool, distance: float, foot: float
 ) -> tuple[float, float, float]:
     """Distance of a point of the outline from a rail that changes along the track, arclength of its foot, and slope;
-    distance, foot: by the field of a station nearby, which may be off by ``slack``."""
-    if distance >= FAR + slack:
+    distance, foot: by the field of a station nearby, which may be off by ``slack``; beside the field there is no
+    foot."""
+    if distance >= FAR + slack or foot <= 0.0:
         return distance - slack, foot, 0.0
     if adjacent and last.foot > 0.0:
         # nearer to the foot than the field, where curvatures change within a millimetre
