@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+import xarray as xr
+from support.runs import SCENARIOS
 
+from wrsim import load, run
 from wrsim.analysis.motion.samples import HANDED, WAITING, worked_through
 
 
@@ -37,3 +40,19 @@ def test_samples_come_in_order_and_are_those_of_their_time() -> None:
 def test_what_fails_in_the_thread_fails_in_the_run() -> None:
     with pytest.raises(ValueError, match="cannot take 149"):
         give(Slow(fails=2.5 * HANDED), 3 * WAITING * HANDED)
+
+
+def test_samples_beside_a_run_and_after_it_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On one core, which a worker of a study has, they come after it: nothing is gained by a second thread."""
+    scenario = load(SCENARIOS / "curve_r300.toml").with_values({"run": {"time_s": 0.6}, "output.patches_at_m": []})
+    beside: list[int] = []
+
+    def outcome(cores: int) -> xr.Dataset:
+        monkeypatch.setattr("wrsim.analysis.motion.run.cores", lambda: cores)
+        monkeypatch.setattr(
+            "wrsim.analysis.motion.run.worked_through", lambda samples: beside.append(cores) or worked_through(samples)
+        )
+        return run(scenario, threads=1).dataset
+
+    xr.testing.assert_identical(outcome(1), outcome(2))
+    assert beside == [2]

@@ -339,6 +339,8 @@ def test_cases_of_a_study_share_what_is_the_same_for_them(tmp_path: Path) -> Non
     assert fast.vehicle is slow.vehicle is not alone.vehicle and fast.rails is slow.rails is not alone.rails
     assert fast.track is slow.track is not alone.track, "with its tables"
     assert built({"run.distance_m": 50.0}).track.reach < slow.track.reach
+    near, far = (built({"run.time_s": 2.0, "vehicle.speed_kmh": speed}) for speed in (40.0, 60.0))
+    assert near.track is far.track and near.plan.end + 10.0 < far.plan.end, "as far as ends some metres apart"
     assert fast.attributes() == alone.attributes() and fast.files == alone.files
     assert fast.vehicle == alone.vehicle and fast.plan == alone.plan and fast.contact == alone.contact
     heavy = built({"vehicle.sprung_mass_kg": 1.1 * slow.vehicle.carried[0].mass})

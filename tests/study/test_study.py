@@ -38,6 +38,7 @@ from wrsim.study.cluster import (
     KEY,
     LOOPBACK,
     ONE_THREAD,
+    TRIM,
     local_workers,
     slurm_cluster,
     slurm_security,
@@ -108,10 +109,10 @@ def workers(serial: Plan, cluster: Client) -> Client:
 
 def test_workers_have_one_thread_each(workers: Client) -> None:
     def threads() -> dict[str, str | None]:
-        return {name: os.environ.get(name) for name in ONE_THREAD}
+        return {name: os.environ.get(name) for name in (*ONE_THREAD, TRIM)}
 
     assert set(workers.nthreads().values()) == {1}
-    assert all(own == ONE_THREAD for own in workers.run(threads).values())
+    assert all(own == ONE_THREAD | {TRIM: None} for own in workers.run(threads).values()), "memory stays, too"
 
 
 def test_two_workers_one_of_which_is_killed_come_to_the_numbers_of_one_worker(serial, workers, tmp_path):
@@ -359,6 +360,10 @@ def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(monkeypatch: p
     assert "#SBATCH --cpus-per-task=1" in script and "--nthreads 1" in script
     assert "--no-dashboard --worker-class wrsim.study.cluster.QuietWorker --protocol tls://" in script
     assert all(f"export {name}=1" in script for name in ONE_THREAD)
+    key, unset = "DASK_DISTRIBUTED__NANNY__PRE_SPAWN_ENVIRON", f"{{'{TRIM}': None}}"
+    assert f'export {key}="{unset}"' in script
+    merged = dask.config.merge(dask.config.config, dask.config.collect_env({key: unset}))
+    assert merged["distributed"]["nanny"]["pre-spawn-environ"][TRIM] is None
 
 
 def test_nobody_or_something_else_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pytest.MonkeyPatch):

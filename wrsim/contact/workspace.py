@@ -76,9 +76,9 @@ def pack(arrays: Sequence[NDArray[Any]]) -> Workspace:
     buffer = np.zeros(end)
     views = []
     for row, array in zip(index, arrays, strict=True):
-        view = buffer[row[0] : row[0] + array.nbytes // 8].view(array.dtype).reshape(array.shape)
-        view[...] = array
-        views.append(view)
+        numbers = buffer[row[0] : row[0] + array.nbytes // 8]
+        numbers[:] = np.ascontiguousarray(array).view(np.float64).ravel()  # records would be copied field by field
+        views.append(numbers.view(array.dtype).reshape(array.shape))
     return Workspace(buffer, index, tuple(views))
 
 

@@ -204,7 +204,7 @@ def _faults_of_layout(dataset: xr.Dataset) -> Iterator[str]:
 
 def _faults_of_labels(dataset: xr.Dataset, sample: str, labels: Sequence[str]) -> Iterator[str]:
     for name in labels:
-        values = dataset[name].values
+        values = dataset.variables[name].values
         if len(np.unique(values)) < values.size:
             yield f"its {name} has a value twice"
     wheels = tuple(map(str, dataset["wheel"].values)) if "wheel" in labels else WHEELS

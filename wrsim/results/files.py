@@ -86,7 +86,8 @@ def write_atomically(path: str | Path, content: bytes | Iterable[bytes], size: i
             with open(temporary, "xb") as stream:
                 for part in (content,) if isinstance(content, bytes) else content:
                     stream.write(part)
-                    digest.update(part)
+                    if keeper is not None:
+                        digest.update(part)
                 stream.flush()
                 os.fsync(stream.fileno())
             if keeper is not None:

@@ -148,17 +148,14 @@ def _remarks(dataset: xr.Dataset, balance: Mapping[str, float] | None) -> dict[s
 
 def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     """The summary of a run or of poses: how much was computed, peaks of every wheelset and point, events."""
+    dataset = dataset.drop_dims("snapshot", errors="ignore")
     summary: dict[str, Any] = {"extent": extent(dataset)}
     summary["wheelsets"] = {name: _of_wheelset(of_wheelset(dataset, name)) for name in wheelsets(dataset)}
-    if "point" in dataset.dims:
-        points = {str(name): dataset.sel(point=name) for name in dataset["point"].values}
-        summary["points"] = {n: {key: peak(one, kind) for key, kind in OF_POINT.items()} for n, one in points.items()}
-    if "span" in dataset.dims:
-        spans = {str(name): dataset.sel(span=name) for name in dataset["span"].values}
-        summary["spans"] = {
-            n: {key: peak(one, kind) for key, kind in OF_SPAN.items() if kind.channel in one}
-            for n, one in spans.items()
-        }
+    for dim, kinds in (("point", OF_POINT), ("span", OF_SPAN)):
+        if dim in dataset.dims:
+            each = {str(name): dataset.sel({dim: name}) for name in dataset[dim].values}
+            there = {key: kind for key, kind in kinds.items() if kind.channel in dataset}
+            summary[f"{dim}s"] = {n: {key: peak(one, kind) for key, kind in there.items()} for n, one in each.items()}
     if "kinetic_energy" in dataset:
         summary["energy"] = energy(dataset)
     if has_wear(dataset):
@@ -254,8 +251,9 @@ def _peaks(one: xr.Dataset, of_wheelset: Mapping[str, Peak]) -> dict[str, dict[s
     )
     extremes = _extremes(_parts(one, raw.values()), raw) | _extremes(smooth or (), slow)
     peaks: dict[str, dict[str, Any]] = {name: {} for name in ("", *sides)}
+    places = _places(one)
     for (name, key), kind in kinds.items():
-        peaks[name][key] = _entry(one, kind, extremes.get((name, key)))
+        peaks[name][key] = _entry(places, kind, extremes.get((name, key)))
     return peaks
 
 
@@ -336,14 +334,15 @@ def filtered(one: xr.Dataset) -> Iterator[Part] | None:
 def peak(dataset: xr.Dataset, kind: Peak) -> dict[str, Any] | None:
     """A peak in units for readers, and where: its sample. ``None`` without a finite value."""
     sided = {"": (kind, None)}
-    return _entry(dataset, kind, _extremes(_parts(dataset, sided.values()), sided).get(""))
+    return _entry(_places(dataset), kind, _extremes(_parts(dataset, sided.values()), sided).get(""))
 
 
-def _entry(dataset: xr.Dataset, kind: Peak, extreme: Extreme | None) -> dict[str, Any] | None:
+def _entry(places: Mapping[str, NDArray[Any]], kind: Peak, extreme: Extreme | None) -> dict[str, Any] | None:
     if extreme is None:
         return None
     _, value, (sample, *patch) = extreme
-    entry = {"value": finite(value, CHANNELS[kind.channel].shown.factor)} | _place(dataset, sample)
+    entry = {key: values[sample].item() for key, values in places.items()}
+    entry = {"value": finite(value, CHANNELS[kind.channel].shown.factor)} | entry
     return entry | ({"patch": patch[0]} if patch else {})
 
 
@@ -395,11 +394,10 @@ def _medians(part: xr.Dataset, names: Iterable[str]) -> dict[str, Any]:
     }
 
 
-def _place(dataset: xr.Dataset, index: int) -> dict[str, Any]:
-    if "pose" in dataset.dims:
-        return {"pose": str(dataset["pose"].values[index])}
-    place = {"distance_m": float(dataset.variables["distance"][index])} if "distance" in dataset.coords else {}
-    return place | {"time_s": float(dataset.variables["time"][index])}
+def _places(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
+    """Where every sample is: its pose, or distance and time."""
+    names = {"pose": "pose"} if "pose" in dataset.dims else {"distance_m": "distance", "time_s": "time"}
+    return {key: dataset.variables[name].values for key, name in names.items() if name in dataset.coords}
 
 
 def _stop(dataset: xr.Dataset) -> dict[str, Any] | None:

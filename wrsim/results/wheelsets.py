@@ -45,7 +45,7 @@ def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
         raise InputError(f"{what} {', '.join(numbered(names).values())}")
     if "wheelset" not in dataset.dims:
         return dataset
-    one = dataset.sel(wheelset=name).drop_dims([*OF_VEHICLE, "event"], errors="ignore")
+    one = dataset.drop_dims([*OF_VEHICLE, "event"], errors="ignore").sel(wheelset=name)
     if len(names) > 1:
         one.attrs["title"] = f"{dataset.attrs['title']}: wheelset {numbered(names)[name]}"
     if "wheelset_distance" not in one:

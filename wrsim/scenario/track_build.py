@@ -51,7 +51,8 @@ LEVEL_TRACK = 100.0
 TABLE_FADE = 20.0
 """Length over which the irregularities of a measured track begin and end [m]."""
 BEYOND = 100.0
-"""How far beyond the end of a run the tables of its track go [m]: more than a step and the rails under a wheel."""
+"""How far beyond the end of a run the tables of its track go at least [m]: more than a step and the rails under a
+wheel. They end at multiples of it: runs of a study that end near each other have the same."""
 
 
 def track_model(path: Path, models: Sequence[str | Path] = (), alignment: str | None = None) -> Track:
@@ -199,7 +200,8 @@ def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, 
     start, which is a steady motion on even track; words for these."""
     places = np.array([plan.start + mounted.x for mounted in vehicle.wheelsets])
     front, back = max(part.centre[0] for part in vehicle.parts), min(part.centre[0] for part in vehicle.parts)
-    track = _up_to(track, plan.end + max(front, vehicle.foremost) + BEYOND)
+    reach = BEYOND * math.ceil(1.0 + (plan.end + max(front, vehicle.foremost)) / BEYOND)
+    track = _up_to(track, min(reach, track.length))
     unevens = [curve.irregularity for curve in (track.left_curve, track.right_curve)]
     slopes = [np.abs(jet[1]).max() for uneven in unevens for jet in (uneven.lateral(places), uneven.vertical(places))]
     if plan.end <= plan.start or max(slopes) == 0.0:
@@ -209,7 +211,7 @@ def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, 
     return track.faded(float(places.max()), length), message
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=8)
 def _up_to(track: Track, reach: float) -> Track:
     """The track as far as a distance [m]; runs of a study that go as far share its tables."""
     return replace(track, reach=reach)

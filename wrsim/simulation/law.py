@@ -3,6 +3,7 @@ conical wheels with a prescribed creep law. With the exact contact solver: ``hal
 
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ConicalWheels
 from wrsim.contact.workspace import WARM_TOLERANCE, pack
 from wrsim.errors import SimulationError
+from wrsim.inputs.section import SIDES
 from wrsim.jit.compiling import use_threads
 from wrsim.jit.stages import make_ready
 from wrsim.simulation.force_law import DIFFERENCE_TOLERANCE, Array, Block, Groups, all_on_all, groups_in_a_row
@@ -47,6 +49,12 @@ SUPPORT, SUPPORT_DAMPING = 1e9, 1e5
 OFF_TRACK = "derailed: the vehicle is no longer near its track at t = {:.6g} s"
 
 
+@lru_cache(maxsize=8)
+def _on_rails(track: Track, distances: tuple[float, ...]) -> Array:
+    """Distances along the centre line, and those on both rails beside them: (n, 3) [m]."""
+    return np.stack([distances, *(track.rail_distance(side, distances) for side in SIDES)], axis=-1)
+
+
 class VehicleOnTrack(Layout):
     """Generalised forces on a vehicle at any state.
 
@@ -59,7 +67,6 @@ class VehicleOnTrack(Layout):
 
     compiled = True
     """Whether the kernel gives all forces, so that `forces_in_turn` may take many states."""
-    _origin: tuple[Any, Array] = np.nan, np.zeros(0)
 
     def __init__(
         self,
@@ -231,9 +238,7 @@ class VehicleOnTrack(Layout):
 
     def places(self, distances: Array) -> Array:
         """Rows for ``set_search_start`` (n, wheelsets, 3): distances of wheelsets (n, wheelsets) and on both rails."""
-        flat = np.asarray(distances, dtype=float).ravel()
-        columns = [flat, self.track.rail_distance("left", flat), self.track.rail_distance("right", flat)]
-        return np.stack(columns, axis=-1).reshape(*np.shape(distances), 3)
+        return _on_rails(self.track, tuple(np.ravel(distances).tolist())).reshape(*np.shape(distances), 3)
 
     def set_speed(self, speed: float) -> None:
         """Change the constant speed [m/s] of the drive and of the frame of the track."""
@@ -256,10 +261,7 @@ class VehicleOnTrack(Layout):
     def _near(self, origin: float | Array) -> Array:
         """The row of ``places`` for a place as ``set_search_start`` takes it."""
         if np.ndim(origin) == 0:
-            if origin != self._origin[0]:
-                distances = float(origin) + np.array([m.x for m in self.vehicle.wheelsets])  # type: ignore[arg-type]
-                self._origin = origin, self.places(distances)
-            return self._origin[1]
+            return self.places(np.asarray(origin) + np.array([m.x for m in self.vehicle.wheelsets]))
         return np.asarray(origin)
 
     def search_starts(self, places: Array) -> Array:

@@ -31,7 +31,6 @@ AT_HAND = 2
 
 def kinds(plan: Plan, cases: Sequence[int]) -> list[int]:
     """One case of each set of kernels: analysis, contact models and integrator decide which are needed."""
-    base = plan.base()
     chosen: dict[str, int] = {}
     seen: set[str] = set()
     for i in cases:
@@ -39,7 +38,7 @@ def kinds(plan: Plan, cases: Sequence[int]) -> list[int]:
         if texts in seen:
             continue
         seen.add(texts)
-        tables = plan.scenario(plan.cases[i], base).merged.data
+        tables = plan.scenario(plan.cases[i]).merged.data
         parts = {"analysis": tables["analysis"], "contact": tables.get("contact"), "run": tables.get("run", {})}
         signature = str([(name, sorted(texts_in(part))) for name, part in parts.items()])
         chosen.setdefault(signature, i)

@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import product
 from math import prod
 from pathlib import Path
@@ -87,14 +87,14 @@ class Plan:
         """Where a case is stored."""
         return Path(self.folder) / CASES / case.name[:2] / case.name
 
+    @cached_property
     def base(self) -> Scenario:
         """The scenario that all cases start from."""
         return load_text(self.text, self.folders[0], self.folders[1:])
 
-    def scenario(self, case: Case, base: Scenario | None = None) -> Scenario:
+    def scenario(self, case: Case) -> Scenario:
         """The merged scenario of a case."""
-        titled = {"title": f"{self.title}: {case.label}"}
-        return (base or self.base()).with_values(case.values | titled)
+        return self.base.with_values(case.values | {"title": f"{self.title}: {case.label}"})
 
     def dumped(self) -> bytes:
         """Content of ``plan.json``."""

@@ -288,9 +288,8 @@ def _reduce_again(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
 def warm_cases(study: str, digest: str, indices: list[int]) -> str:
     """Compile the kernels that these cases need, by the first steps of each; gives the host's name."""
     plan = plan_in(study, digest)
-    base = plan.base()
     for index in indices:
-        compile_for(plan.scenario(plan.cases[index], base))
+        compile_for(plan.scenario(plan.cases[index]))
     return platform.node()
 
 

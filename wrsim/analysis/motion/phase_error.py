@@ -35,9 +35,7 @@ class PhaseError:
 
     def add(self, t: float, forces: NDArray[np.float64]) -> None:
         """Take in the forces (wheels,) [N] at the end of a step, which may be a part of one of length ``step``."""
-        clock = self.arrays[-1]
-        clock[3] = watch.add_phase_error(t, self.step, self._rates, forces, *self.arrays)
-        clock[2] = clock[3] > (REST if clock[2] else 1.0) * self.tolerance
+        watch.add_phase_error(t, self.step, self.tolerance, REST, self._rates, forces, *self.arrays)
 
     @property
     def error(self) -> float:
@@ -47,5 +45,6 @@ class PhaseError:
     @property
     def longest_step(self) -> float:
         """The longest step for what follows [s]; infinite where ``step`` does."""
-        refined = bool(self.arrays[-1][2])
-        return max(self.step * (REST * self.tolerance / self.error) ** 0.5, IMPLICIT_GRID) if refined else np.inf
+        if self.arrays[-1][2] == 0.0:
+            return np.inf
+        return max(self.step * (REST * self.tolerance / self.error) ** 0.5, IMPLICIT_GRID)

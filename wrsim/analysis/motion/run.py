@@ -22,7 +22,7 @@ from wrsim.contact.search import locus
 from wrsim.contact.strips import equations
 from wrsim.contact.surfaces.out_of_round import Flat
 from wrsim.errors import InputError, SimulationError
-from wrsim.jit.compiling import COUNT, Kernel
+from wrsim.jit.compiling import COUNT, Kernel, cores
 from wrsim.jit.stages import compile_in_background
 from wrsim.register import ANALYSES
 from wrsim.results import Result
@@ -146,7 +146,7 @@ def _samples_beside(setup: Setup[RunPlan], law: VehicleOnTrack) -> bool:
     """Whether channels of samples may be computed while the run goes on: a core is free, the kernel gives all forces,
     and a sample needs neither those behind it nor what the rails of the run remember."""
     needs_all = setup.plan.wear is not None or bool(setup.plan.fast_channels)
-    return setup.threads == 1 and law.compiled and law.on_sleepers is None and not needs_all
+    return setup.threads == 1 < cores() and law.compiled and law.on_sleepers is None and not needs_all
 
 
 def stepper(

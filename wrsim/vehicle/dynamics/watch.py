@@ -174,11 +174,13 @@ def look(
 
 @kernel
 def add_phase_error(
-    t: float, step: float, rates: Array, forces: Array, errors: Array, last: Array, clock: Array
-) -> float:
+    t: float, step: float, tolerance: float, rest: float, rates: Array, forces: Array, errors: Array, last: Array,
+    clock: Array,
+) -> None:  # fmt: skip
     """Take lateral forces (wheels,) [N] at the end of a step into the errors (modes, wheels, 2) [N] of modes with these
     eigenvalues (modes, 2) [1/s] in steps of one length [s], (int-phase). last (2, wheels): forces and their rates at
-    the last step; clock: time and length of that, not-a-number before the first one. Returns the largest error."""
+    the last step; clock: time and length of that, not-a-number before the first one, 1 from an error beyond the
+    tolerance [N] on until it is within this part ``rest`` of it, and the largest error."""
     length, before = t - clock[0], clock[1]
     largest = 0.0
     for m in range(rates.shape[0] if before > 0.0 else 0):
@@ -193,5 +195,5 @@ def add_phase_error(
             largest = max(largest, x * x + y * y)
     for i in range(forces.shape[0]):
         last[0, i], last[1, i] = forces[i], (forces[i] - last[0, i]) / length
-    clock[0], clock[1] = t, length
-    return sqrt(largest)
+    clock[0], clock[1], clock[3] = t, length, sqrt(largest)
+    clock[2] = clock[3] > (rest if clock[2] != 0.0 else 1.0) * tolerance
