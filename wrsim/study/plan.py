@@ -179,12 +179,6 @@ class StudyInput(FileInput):
         self.base = load(self.file_of("base", name=self.spec.base), models)
         self.title: str = self.spec.title or self.base.title
 
-    def plan(
-        self, folder: Path, axes: tuple[AxisPoints, ...], outputs: OutputsSection, cases: CasesSection, hook: str = ""
-    ) -> Plan:
-        """The plan of all cases on these axes, none of which is made yet."""
-        return self.plan_of(self.base, self.title, folder, axes, outputs, cases, hook)
-
 
 def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tuple[Plan, tuple[Path, ...]]:
     """The plan of a study file, every case checked, and all files that were read.
@@ -213,7 +207,8 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
             if name not in names:
                 with study.naming("sensitivity", "outputs", value=name):
                     raise InputError(f"is no output{suggest(name, names)}; there are {', '.join(names)}")
-        plan = replace(study.plan(folder, axes, spec.outputs, spec.cases, hook), sensitivity=spec.sensitivity)
+        plan = study.plan_of(study.base, study.title, folder, axes, spec.outputs, spec.cases, hook)
+        plan = replace(plan, sensitivity=spec.sensitivity)
     plan, models_read = with_cases(plan, study.base)
     return plan, tuple(dict.fromkeys((*seen, *models_read)))
 

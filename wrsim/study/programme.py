@@ -198,7 +198,7 @@ def read_programme(file: Path, folder: Path, models: Sequence[str | Path] = ()) 
             listed=True,
         )  # fmt: skip
         runs = _runs(spec, rules, test)
-        plan = test.plan(folder, (states, runs), OutputsSection(), spec.cases)
+        plan = test.plan_of(test.base, test.title, folder, (states, runs), OutputsSection(), spec.cases)
     plan, read = with_cases(plan, test.base)
     return Programme(spec, plan, rules, tuple(dict.fromkeys((*seen, *read))), runs.labels)
 

@@ -38,13 +38,7 @@ class PhaseError:
         watch.add_phase_error(t, self.step, self.tolerance, REST, self._rates, forces, *self.arrays)
 
     @property
-    def error(self) -> float:
-        """Largest error of a mode [N]."""
-        return float(self.arrays[-1][3])
-
-    @property
     def longest_step(self) -> float:
         """The longest step for what follows [s]; infinite where ``step`` does."""
-        if self.arrays[-1][2] == 0.0:
-            return np.inf
-        return max(self.step * (REST * self.tolerance / self.error) ** 0.5, IMPLICIT_GRID)
+        _, _, refined, error = self.arrays[-1].tolist()
+        return max(self.step * (REST * self.tolerance / error) ** 0.5, IMPLICIT_GRID) if refined else np.inf

@@ -2,7 +2,6 @@
 
 import hashlib
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -65,10 +64,9 @@ class Evolution:
 
     def plan(self, folder: Path, wheel: Path, label: str) -> Plan:
         """The study of one step: all cases with this wheel, in a folder. Raises InputError with all faults."""
-        given = copy(self.given)
-        given.base = self.base.with_values({"vehicle.wheel": str(wheel.resolve())}, str(given.file))
-        plan = given.plan(folder, (self.points,), OutputsSection(), CasesSection(time_limit_s=self.spec.time_limit_s))
-        return with_cases(replace(plan, title=f"{plan.title}, {label}"), given.base)[0]
+        base = self.base.with_values({"vehicle.wheel": str(wheel.resolve())}, str(self.given.file))
+        title, cases = f"{self.given.title}, {label}", CasesSection(time_limit_s=self.spec.time_limit_s)
+        return with_cases(self.given.plan_of(base, title, folder, (self.points,), OutputsSection(), cases), base)[0]
 
 
 def read_evolution(file: Path, models: Sequence[str | Path] = ()) -> tuple[Evolution, tuple[Path, ...]]:
