@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -94,6 +95,7 @@ KINDS = ("wheels", "rails", "vehicles", "trains", "tracks")
 """Folders inside a folder of models."""
 
 
+@cache
 def shipped_models() -> Path:
     """The folder of the models that come with wrsim: in the package, or beside it in the source."""
     package = Path(__file__).resolve().parents[1]

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import KW_ONLY, dataclass, field, replace
+from math import ceil
 from pathlib import Path
 from types import FrameType
 from typing import Literal, get_args
@@ -318,7 +319,7 @@ class Integration:
                 raise SimulationError(f"Exudyn ended the run at t = {self._time(k):.6g} s without a reason")
 
     def _parts_needed(self) -> int:
-        return max(1, int(np.ceil(self.step / getattr(self.monitor, "longest_step", np.inf) - 1e-9)))
+        return max(1, ceil(self.step / getattr(self.monitor, "longest_step", np.inf) - 1e-9))
 
     def _step_in_parts(self) -> None:
         """Take one implicit step that has failed in parts, at last by RK44 where the law allows it.
