@@ -4,7 +4,8 @@
 
 Six pairs of profiles. "root": flange root, shift 5.5 to 7.3 mm, yaw 0 and 2 mrad, 10 to 150 kN; "corner": bands of
 60 um beside it where the penetration bends within a tenth of a millimetre, 5 to 24 kN; "yawed": 6.1 to 7 mm, 5 to 25
-mrad, where the contact locus turns aside; "wide": -6 to 8.5 mm, up to 12 mrad. Errors are abs(strips/half-space - 1):
+mrad, where the contact locus turns aside; "wide": -6 to 8.5 mm, up to 12 mrad; "others": eight pairs of other standards
+and of trams, to 14 mm, 40 mrad and 200 kN. Errors are abs(strips/half-space - 1):
 median, 95 %, largest, and the numbers of poses beyond 2 and 5 %; then how many were solved with fewer strips, and
 Jacobians a pose.
 """
@@ -20,6 +21,10 @@ from strip_robustness import PAIRS, STRIPS, Stand
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.pose import Pose
 
+OTHERS = (
+    ("AAR-1B_approx", "136RE", 40), ("AAR_1in20", "115RE", 40), ("S1002", "136RE", 40), ("S1002_worn", "54E1", 20),
+    ("AAR-1B_approx", "60E1_worn", 20), ("tram", "grooved", 1e9), ("tram", "grooved_narrow", 1e9), ("tram", "54E1", 40),
+)  # fmt: skip
 LOADS = (10.0, 25.0, 60.0, 100.0)  # [kN]
 Drawn = tuple[int, float, float, float]
 """Number of a pair, lateral shift [mm], yaw [mrad], load [kN]."""
@@ -48,7 +53,13 @@ def wide(random: np.random.Generator) -> Drawn:
     return int(random.integers(6)), random.uniform(-6.0, 8.5), yaw, random.choice(LOADS)
 
 
-KINDS: tuple[Callable[[np.random.Generator], Drawn], ...] = (root, corner, yawed, wide)
+def others(random: np.random.Generator) -> Drawn:
+    """Profiles that the model was not made with."""
+    pair, yaw = len(PAIRS) + int(random.integers(len(OTHERS))), random.uniform(-40.0, 40.0)
+    return pair, random.uniform(-14.0, 14.0), yaw, float(np.exp(random.uniform(0.0, np.log(200.0))))
+
+
+KINDS: tuple[Callable[[np.random.Generator], Drawn], ...] = (root, corner, yawed, wide, others)
 
 
 def compare(stand: Stand, drawn: Drawn, exact: HalfSpace) -> tuple[float, float, int, int]:
@@ -83,7 +94,7 @@ def main() -> None:
     parser.add_argument("--resolution", type=int, default=24)
     parser.add_argument("--json", type=Path)
     a = parser.parse_args()
-    stands = [Stand(pair, a.strips) for pair in PAIRS]
+    stands = [Stand(pair, a.strips) for pair in (*PAIRS, *OTHERS)]
     exact, found = HalfSpace(resolution=a.resolution), {}
     for kind in KINDS:
         random = np.random.default_rng(a.seed)
