@@ -19,7 +19,7 @@ from wrsim.analysis.motion.derailment import DROP
 from wrsim.analysis.motion.messages import EventKind
 from wrsim.analysis.motion.monitor import INTERVAL, LIFT_DISTANCE, LIFT_TIME, STRETCH
 from wrsim.analysis.stability.cycles import Ending
-from wrsim.cli import app
+from wrsim.cli import application
 from wrsim.contact.records import STATUS_TOO_DEEP
 from wrsim.contact.status import WORDS
 from wrsim.inputs.file_kinds import FILES
@@ -269,7 +269,7 @@ def _code(text: str) -> str:
 
 def commands() -> str:
     """The page of commands: what each does, its arguments and its options; options of many commands once."""
-    members = get_command(app).commands  # type: ignore[attr-defined]
+    members = get_command(application()).commands  # type: ignore[attr-defined]
     shared = {p.name: _option(p) for command in members.values() for p in command.params if p.name in SHARED}
     lines = [COMMANDS.format(shared="\n".join(shared.values()))]
     for name, command in members.items():

@@ -32,8 +32,10 @@ from pathlib import Path
 from typer.testing import CliRunner
 
 from wrsim import load
-from wrsim.cli import app
+from wrsim.cli import application
 from wrsim.jit.objects import this_target
+
+app = application()
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *(ROOT / "docs" / "user").glob("*.md")]

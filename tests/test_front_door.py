@@ -87,7 +87,7 @@ def test_a_run_imports_no_library_for_what_it_does_not_do(tmp_path: Path) -> Non
 
 def test_without_the_extra_of_studies_a_wrong_value_is_told_not_the_extra(tmp_path: Path) -> None:
     absent = "import sys; sys.modules |= dict.fromkeys(('cryptography', 'dask', 'pyarrow'))"
-    program = f"{absent}; from wrsim.cli.commands import app; app()"
+    program = f"{absent}; from wrsim.cli import application; application()()"
     wrong = ["run", "scenarios/curve_r300.toml", "--set", "run.distance_m=-5", "-o", str(tmp_path / "x")]
     study = ["study", "scenarios/studies/friction_speed.toml", "-o", str(tmp_path / "y")]
     other = ["run", "scenarios/optimisation/yaw_stiffness.toml", "-o", str(tmp_path / "z")]

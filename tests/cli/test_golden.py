@@ -14,8 +14,10 @@ from support.synthetic_result import curve_run, static_poses
 from support.synthetic_run import Q0, curve, run, sines
 from typer.testing import CliRunner
 
-from wrsim.cli import app
+from wrsim.cli import application
 from wrsim.results import Result
+
+app = application()
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT / "tests/data/golden"

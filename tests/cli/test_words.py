@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 
 import wrsim.analysis
 from wrsim.api.options import PARAMETERS, Option
-from wrsim.cli import app
+from wrsim.cli import application
 from wrsim.cli.commands import PANELS
 from wrsim.jit.compiling import Kernel
 from wrsim.plots.moments import moment_title
@@ -28,10 +28,12 @@ from wrsim.results import Result
 from wrsim.results.differences import differences
 from wrsim.results.table import Column, Table, on_terminal
 
+app = application()
+
 table = rows_of(__file__)
 
 runner = CliRunner()
-COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
+COMMANDS = get_command(application()).commands  # type: ignore[attr-defined]
 FUNCTIONS = {
     "new": "new_file", "run": "run_scenario", "study": "run_study", "type-test": "run_type_test", "wear": "run_wear",
     "plot": "write_pictures", "report": "write_report", "view": "write_view", "vehicle": "stationary",

@@ -18,7 +18,7 @@ from typer.main import get_command
 from wrsim import load
 from wrsim.analysis.motion.messages import EventKind
 from wrsim.analysis.stability.cycles import Ending
-from wrsim.cli import app
+from wrsim.cli import application
 from wrsim.contact.status import WORDS
 from wrsim.simulation.recorder import Cause
 from wrsim.study.task import STATUSES
@@ -37,7 +37,7 @@ def named(pattern: str) -> Iterator[tuple[Path, str]]:
 
 
 def test_commands_modules_and_files_that_pages_name_exist() -> None:
-    commands = get_command(app).commands
+    commands = get_command(application()).commands
     found = list(named(r"(?:`|^ {4}|\n)wrsim (?:-[^\s`]+ )*([a-z]+)"))
     assert len(found) > 30 and [one for one in found if one[1] not in commands] == []
     found = list(named(r"\b(wrsim(?:\.[a-z_]\w*)+)\b(?!/)"))
@@ -217,7 +217,7 @@ def test_the_python_examples_of_a_page_run(page: Path, tmp_path: Path, monkeypat
 
 
 def test_command_lines_and_keys_of_all_pages_exist() -> None:
-    commands = get_command(app).commands  # type: ignore[attr-defined]
+    commands = get_command(application()).commands  # type: ignore[attr-defined]
     lines = [(page.name, line) for page in PAGES for line in command_lines(page)]
     assert len(lines) > 50
     for page, (name, *words) in lines:

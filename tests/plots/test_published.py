@@ -16,7 +16,7 @@ from typer.main import get_command
 
 import wrsim
 from wrsim import InputError, Result, load, load_profile, run
-from wrsim.cli import app
+from wrsim.cli import application
 from wrsim.plots import patch_gallery, section_gallery, standard_figures
 from wrsim.plots.drawing import save_all
 from wrsim.plots.histories import channels_figure, overview_figure
@@ -140,7 +140,7 @@ NAMED = {"profile", "track", "vehicle"}
 
 
 def test_commands_that_draw_have_the_options_of_pictures_and_draw_in_that_width(tmp_path: Path) -> None:
-    options = {name: {p.name for p in each.params} for name, each in get_command(app).commands.items()}
+    options = {name: {p.name for p in each.params} for name, each in get_command(application()).commands.items()}
     assert {
         name for name, own in options.items() if {"width_mm", "font", "style", "no_title"} <= own
     } == DRAWING | NAMED

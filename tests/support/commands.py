@@ -15,7 +15,9 @@ from click.testing import Result
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from wrsim.cli import app, main
+from wrsim.cli import application, main
+
+app = application()
 
 # made once and not for each call: options of all commands are read from signatures, for a tenth of a second
 typer.testing._get_command = cache(get_command)

@@ -4,8 +4,8 @@ from wrsim.system import limit_blas_threads
 
 limit_blas_threads()
 try:
-    from wrsim.cli.commands import app, main
+    from wrsim.cli.commands import application, main
 except KeyboardInterrupt:
     raise SystemExit(130) from None
 
-__all__ = ["app", "main"]
+__all__ = ["application", "main"]

@@ -1,6 +1,7 @@
 """The ``wrsim`` command: its entry point and all of its commands.
 
-Functions of the API import what they need when they run, so that ``wrsim --help`` answers at once.
+Functions of the API import what they need when they run, so that ``wrsim --help`` answers at once; what is called by
+its name imports no other command.
 """
 
 import atexit
@@ -8,12 +9,13 @@ import gc
 import inspect
 import logging
 import sys
+from collections.abc import Callable
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
 
 import wrsim
-from wrsim.api import analyses, data, decisions, measurements, pages, profiles, runs, studies, vehicles
 from wrsim.api.options import Option
 from wrsim.api.outcome import Outcome
 from wrsim.cli import console
@@ -32,6 +34,11 @@ STEP_MS = inspect.Parameter(
 )
 
 
+def _of_api(function: str) -> Callable[..., Any]:
+    module, name = function.split(".")
+    return getattr(import_module(f"wrsim.api.{module}"), name)  # type: ignore[no-any-return]
+
+
 def _one_folder(given: Given) -> Given:
     if len(given["results"]) > 1 and "output" not in given:
         raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
@@ -39,7 +46,7 @@ def _one_folder(given: Given) -> Given:
 
 
 def _columns(given: Given) -> Given:
-    return {"columns": data.columns_of(given["file"], given.get("columns"))}
+    return {"columns": _of_api("data.columns_of")(given["file"], given.get("columns"))}
 
 
 def _step(given: Given) -> Given:
@@ -97,59 +104,71 @@ def warm(quiet: Annotated[bool, typer.Option("--quiet", "-q", help=QUIET)] = Fal
             console.print_lines(message)
 
 
-PANELS: dict[str, dict[str, Any]] = {
+def _command(function: str, *given: Any, **options: Any) -> Callable[[], Callable[..., None]]:
+    """What makes the command of a function of the API, which it imports."""
+    return lambda: command(_of_api(function), *given, **options)
+
+
+PANELS: dict[str, dict[str, Callable[[], Callable[..., None]]]] = {
     "Start": {
-        "new": command(data.new_file),
-        "check": command(runs.check, adds=("as_json",)),
-        "keys": command(data.keys, adds=("as_json",)),
-        "warm": warm,
+        "new": _command("data.new_file"),
+        "check": _command("runs.check", adds=("as_json",)),
+        "keys": _command("data.keys", adds=("as_json",)),
+        "warm": lambda: warm,
     },
     "Run": {
-        "run": command(runs.run_scenario, _mute_log, _show_run, draws=DRAWS),
-        "study": command(studies.run_study, show=_show_study, draws=DRAWS),
-        "type-test": command(studies.run_type_test),
-        "wear": command(studies.run_wear, draws=DRAWS),
-        "optimise": command(decisions.optimise, draws=DRAWS),
-        "calibrate": command(measurements.calibrate, draws=DRAWS),
-        "compare": command(runs.compare, draws=DRAWS, reads="scenario"),
-        "resolve": command(runs.resolve, draws=DRAWS),
+        "run": _command("runs.run_scenario", _mute_log, _show_run, draws=DRAWS),
+        "study": _command("studies.run_study", show=_show_study, draws=DRAWS),
+        "type-test": _command("studies.run_type_test"),
+        "wear": _command("studies.run_wear", draws=DRAWS),
+        "optimise": _command("decisions.optimise", draws=DRAWS),
+        "calibrate": _command("measurements.calibrate", draws=DRAWS),
+        "compare": _command("runs.compare", draws=DRAWS, reads="scenario"),
+        "resolve": _command("runs.resolve", draws=DRAWS),
     },
     "Inspect": {
-        "show": command(runs.show, adds=("as_json", "units")),
-        "plot": command(pages.write_pictures, draws=DRAWS, source="result"),
-        "report": command(pages.write_report, source="results"),
-        "view": command(pages.write_view, source="result"),
-        "live": command(pages.write_live, _step, reads="files", further=[STEP_MS]),
-        "diff": command(analyses.diff, draws=DRAWS, reads="first second"),
+        "show": _command("runs.show", adds=("as_json", "units")),
+        "plot": _command("pages.write_pictures", draws=DRAWS, source="result"),
+        "report": _command("pages.write_report", source="results"),
+        "view": _command("pages.write_view", source="result"),
+        "live": _command("pages.write_live", _step, reads="files", further=[STEP_MS]),
+        "diff": _command("analyses.diff", draws=DRAWS, reads="first second"),
     },
     "Assess": {
-        "assess": command(analyses.assess, _one_folder, draws=DRAWS, source="results"),
-        "validate": command(measurements.validate, draws=DRAWS),
-        "ride": command(analyses.ride, draws=DRAWS, source="result"),
-        "spectra": command(analyses.spectra, draws=DRAWS, source="result"),
-        "conicity": command(profiles.conicity, draws=DRAWS),
-        "vehicle": command(vehicles.stationary, draws=DRAWS_ONE),
+        "assess": _command("analyses.assess", _one_folder, draws=DRAWS, source="results"),
+        "validate": _command("measurements.validate", draws=DRAWS),
+        "ride": _command("analyses.ride", draws=DRAWS, source="result"),
+        "spectra": _command("analyses.spectra", draws=DRAWS, source="result"),
+        "conicity": _command("profiles.conicity", draws=DRAWS),
+        "vehicle": _command("vehicles.stationary", draws=DRAWS_ONE),
     },
     "Data": {
-        "profile": command(profiles.profiles, draws=DRAWS_ONE, reads="files"),
-        "track": command(pages.draw_track, draws=DRAWS_ONE, reads="file"),
-        "recording": command(data.read_recording, _columns, draws=DRAWS, reads="file columns"),
-        "export": command(data.export, source="result"),
-        "dataset": command(data.dataset, source="study"),
-        "fmu": command(data.write_unit, _step, reads="scenario", further=[STEP_MS]),
+        "profile": _command("profiles.profiles", draws=DRAWS_ONE, reads="files"),
+        "track": _command("pages.draw_track", draws=DRAWS_ONE, reads="file"),
+        "recording": _command("data.read_recording", _columns, draws=DRAWS, reads="file columns"),
+        "export": _command("data.export", source="result"),
+        "dataset": _command("data.dataset", source="study"),
+        "fmu": _command("data.write_unit", _step, reads="scenario", further=[STEP_MS]),
     },
 }
-"""Commands by their names, in the panels of the help."""
+"""What makes the commands, by their names, in the panels of the help."""
 
-app = typer.Typer(
-    help="Railway vehicles and wheelsets on curved track, with conformal wheel-rail contact.",
-    no_args_is_help=True,
-    context_settings={"help_option_names": ["--help", "-h"]},
-    pretty_exceptions_enable=False,
-)
-for panel, members in PANELS.items():
-    for name, member in members.items():
-        app.command(name, rich_help_panel=panel)(member)
+
+def application(wanted: str = "") -> typer.Typer:
+    """All commands, or the wanted one alone if there is one of this name: those of others take time to make."""
+    app = typer.Typer(
+        help="Railway vehicles and wheelsets on curved track, with conformal wheel-rail contact.",
+        no_args_is_help=True,
+        context_settings={"help_option_names": ["--help", "-h"]},
+        pretty_exceptions_enable=False,
+    )
+    app.callback()(_common)
+    is_there = any(wanted in members for members in PANELS.values())
+    for panel, members in PANELS.items():
+        for name, made in members.items():
+            if name == wanted or not is_there:
+                app.command(name, rich_help_panel=panel)(made())
+    return app
 
 
 def main() -> None:
@@ -158,15 +177,13 @@ def main() -> None:
     # three hundred thousand lasting objects of libraries are looked through otherwise: a second of a run
     gc.set_threshold(400_000, 20, 100)
     atexit.register(gc.freeze)  # nor at the end, where it takes half a second
-    named = [each for each in app.registered_commands if each.name in sys.argv[1:2]]
-    app.registered_commands = named or app.registered_commands  # the options of all others take time to read
     if sys.argv[1:2] == ["run"]:  # xarray and pandas ask of all numbers whether they are theirs
         for library in ("dask", "pyarrow"):
             sys.modules.setdefault(library, None)  # type: ignore[arg-type]
     console.show_progress()
     try:
         with usage_as_json("--json" in sys.argv[1:]) as standalone:
-            sys.exit(app(prog_name="wrsim", standalone_mode=standalone))
+            sys.exit(application(*sys.argv[1:2])(prog_name="wrsim", standalone_mode=standalone))
     except KeyboardInterrupt:  # outside of a command
         sys.exit(INTERRUPTED)
 
@@ -177,7 +194,6 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _common(
     version: Annotated[
         bool, typer.Option("--version", "-v", callback=_version, is_eager=True, help="Print the version.")
