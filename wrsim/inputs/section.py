@@ -90,7 +90,9 @@ class Section(BaseModel):
     former: ClassVar[dict[str, str]] = {}
     """Deprecated keys, which are still taken -> those in their place."""
     elsewhere: ClassVar[dict[str, str]] = {}
-    """Keys of other tables -> the header of that table."""
+    """Keys of other tables -> the header of that table, before those of ``keys_elsewhere``."""
+    keys_elsewhere: ClassVar[Callable[[Any], dict[str, str]]] = staticmethod(lambda table: {})
+    """Gives the same of a table of a scenario."""
     one_of: ClassVar[tuple[str, ...]] = ()
     """Rows of keys (with spaces between) of which exactly one is given, the usual one first."""
     at_most_one: ClassVar[tuple[str, ...]] = ()
@@ -264,9 +266,10 @@ class Section(BaseModel):
     def _unknown(cls, key: str, raw: dict[str, Any]) -> tuple[str, str | None]:
         """The message for an unknown key and the key of this section that was meant, if any."""
         allowed = [*cls.model_fields, *cls.foreign]
+        elsewhere = cls.keys_elsewhere(cls) | cls.elsewhere
         meant = next((ours for ours, names in cls.aliases.items() if key in names), None)
         meant = meant or _same_stem(key, allowed)
-        if meant is None and key not in cls.elsewhere:
+        if meant is None and key not in elsewhere:
             stems = {_stem(k): k for k in allowed}
             near = nearest(key, allowed) or nearest(_stem(key), list(stems))
             meant = stems.get(near, near) if near else None
@@ -279,9 +282,9 @@ class Section(BaseModel):
             if meant in raw:
                 return f"unknown key; did you mean '{meant}'{in_unit}, which is given already?", meant
             return f"unknown key; did you mean '{meant}'{in_unit}?", meant
-        other = key if key in cls.elsewhere else _same_stem(key, list(cls.elsewhere))
+        other = key if key in elsewhere else _same_stem(key, list(elsewhere))
         if other is not None:
-            return f"unknown key; '{other}' belongs in {cls.elsewhere[other]}", None
+            return f"unknown key; '{other}' belongs in {elsewhere[other]}", None
         return f"unknown key; {cls.header} takes " + ", ".join(allowed), None
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
+from functools import cache
 from typing import Annotated, Any, Literal
 
 from pydantic import create_model
@@ -154,15 +155,14 @@ def _with_all_tables() -> type[ScenarioSpec]:
     return create_model("ScenarioFile", __base__=ScenarioSpec, **tables)
 
 
-def _link_tables() -> None:
-    """Give every table the keys of the others, for its messages."""
+@cache
+def _keys_elsewhere(table: type[Section]) -> dict[str, str]:
+    """Keys of the other tables of a scenario, for messages of one of its tables -> the header of that table."""
     tables = dict.fromkeys(tables_in(ScenarioFile))
     top = "the top of the file, before the first table"
     homes = {key: top if t is ScenarioFile else t.header for t in reversed(tables) for key in t.model_fields}
-    for table in tables:
-        keys = table.model_fields
-        table.elsewhere = {key: home for key, home in homes.items() if key not in keys} | table.elsewhere
+    return {key: home for key, home in homes.items() if table in tables and key not in table.model_fields}
 
 
 ScenarioFile = _with_all_tables()
-_link_tables()
+Section.keys_elsewhere = staticmethod(_keys_elsewhere)
