@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
 
 from wrsim import system
 from wrsim.plots.theme import LOOK, rendered
@@ -41,6 +42,7 @@ def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
     with warnings.catch_warnings():
         # from 3.12 on: "may lead to deadlocks"; the only other threads are those of BLAS, which stop for a fork
         warnings.simplefilter("ignore", DeprecationWarning)
+        MathTextParser("agg").parse(r"$\gamma$")  # both processes would make its grammar, 30 ms
         gc.freeze()  # to look through all that is there would copy its pages in the second process
         second.start()
     sender.close()
