@@ -195,8 +195,8 @@ def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> 
         return axes
     x, _ = theme.abscissa(dataset)
     places = np.interp(dataset["snapshot_time"].values, dataset["time"].values, x)
-    for snapshot in places:
-        axes.axvline(snapshot, **SNAPSHOT)
+    up = np.tile((0.0, 1.0, np.nan), places.size)
+    axes.add_line(Line2D(np.repeat(places, 3), up, transform=axes.get_xaxis_transform(), **SNAPSHOT))
     close = np.diff(places, prepend=-np.inf) <= CLOSE * np.ptp(x)
     for group in np.split(np.arange(places.size), np.flatnonzero(~close))[1:] if letters else ():
         marks.note_above(axes, " ".join(map(snapshot_letter, group.tolist())), float(places[group].mean()))
