@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from datetime import date, time
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -53,7 +54,7 @@ class Scenario:
         rows = (("analysis", self.analysis), ("file", self.path or "from a text"))
         return card(self.title, rows, folded("the whole as TOML", self.text))
 
-    @property
+    @cached_property
     def text(self) -> str:
         """The whole as TOML, with everything that came from ``base``."""
         return self.merged.text or write_toml(self.merged.data)

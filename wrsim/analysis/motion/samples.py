@@ -239,7 +239,7 @@ def stack_wheelsets(each: Sequence[dict[str, Array]]) -> dict[str, Array]:
     stacked: dict[str, Array] = {}
     for name in each[0]:
         arrays = [channels[name] for channels in each]
-        if name.startswith(("strip_", "element_")):  # not-a-number behind the shorter ones
+        if len(each) > 1 and name.startswith(("strip_", "element_")):  # not-a-number behind the shorter ones
             shape = np.max([a.shape for a in arrays], axis=0)
             arrays = [np.pad(a, [(0, n) for n in shape - a.shape], constant_values=np.nan) for a in arrays]
         stacked[name] = np.stack(arrays, axis=1)
