@@ -10,7 +10,7 @@ import inspect
 import logging
 import sys
 from collections.abc import Callable
-from importlib import import_module
+from pkgutil import resolve_name
 from typing import Annotated, Any
 
 import typer
@@ -34,11 +34,6 @@ STEP_MS = inspect.Parameter(
 )
 
 
-def _of_api(function: str) -> Callable[..., Any]:
-    module, name = function.split(".")
-    return getattr(import_module(f"wrsim.api.{module}"), name)  # type: ignore[no-any-return]
-
-
 def _one_folder(given: Given) -> Given:
     if len(given["results"]) > 1 and "output" not in given:
         raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
@@ -46,7 +41,7 @@ def _one_folder(given: Given) -> Given:
 
 
 def _columns(given: Given) -> Given:
-    return {"columns": _of_api("data.columns_of")(given["file"], given.get("columns"))}
+    return {"columns": resolve_name("wrsim.api.data:columns_of")(given["file"], given.get("columns"))}
 
 
 def _step(given: Given) -> Given:
@@ -106,49 +101,49 @@ def warm(quiet: Annotated[bool, typer.Option("--quiet", "-q", help=QUIET)] = Fal
 
 def _command(function: str, *given: Any, **options: Any) -> Callable[[], Callable[..., None]]:
     """What makes the command of a function of the API, which it imports."""
-    return lambda: command(_of_api(function), *given, **options)
+    return lambda: command(resolve_name(f"wrsim.api.{function}"), *given, **options)
 
 
 PANELS: dict[str, dict[str, Callable[[], Callable[..., None]]]] = {
     "Start": {
-        "new": _command("data.new_file"),
-        "check": _command("runs.check", adds=("as_json",)),
-        "keys": _command("data.keys", adds=("as_json",)),
+        "new": _command("data:new_file"),
+        "check": _command("runs:check", adds=("as_json",)),
+        "keys": _command("data:keys", adds=("as_json",)),
         "warm": lambda: warm,
     },
     "Run": {
-        "run": _command("runs.run_scenario", _mute_log, _show_run, draws=DRAWS),
-        "study": _command("studies.run_study", show=_show_study, draws=DRAWS),
-        "type-test": _command("studies.run_type_test"),
-        "wear": _command("studies.run_wear", draws=DRAWS),
-        "optimise": _command("decisions.optimise", draws=DRAWS),
-        "calibrate": _command("measurements.calibrate", draws=DRAWS),
-        "compare": _command("runs.compare", draws=DRAWS, reads="scenario"),
-        "resolve": _command("runs.resolve", draws=DRAWS),
+        "run": _command("runs:run_scenario", _mute_log, _show_run, draws=DRAWS),
+        "study": _command("studies:run_study", show=_show_study, draws=DRAWS),
+        "type-test": _command("studies:run_type_test"),
+        "wear": _command("studies:run_wear", draws=DRAWS),
+        "optimise": _command("decisions:optimise", draws=DRAWS),
+        "calibrate": _command("measurements:calibrate", draws=DRAWS),
+        "compare": _command("runs:compare", draws=DRAWS, reads="scenario"),
+        "resolve": _command("runs:resolve", draws=DRAWS),
     },
     "Inspect": {
-        "show": _command("runs.show", adds=("as_json", "units")),
-        "plot": _command("pages.write_pictures", draws=DRAWS, source="result"),
-        "report": _command("pages.write_report", source="results"),
-        "view": _command("pages.write_view", source="result"),
-        "live": _command("pages.write_live", _step, reads="files", further=[STEP_MS]),
-        "diff": _command("analyses.diff", draws=DRAWS, reads="first second"),
+        "show": _command("runs:show", adds=("as_json", "units")),
+        "plot": _command("pages:write_pictures", draws=DRAWS, source="result"),
+        "report": _command("pages:write_report", source="results"),
+        "view": _command("pages:write_view", source="result"),
+        "live": _command("pages:write_live", _step, reads="files", further=[STEP_MS]),
+        "diff": _command("analyses:diff", draws=DRAWS, reads="first second"),
     },
     "Assess": {
-        "assess": _command("analyses.assess", _one_folder, draws=DRAWS, source="results"),
-        "validate": _command("measurements.validate", draws=DRAWS),
-        "ride": _command("analyses.ride", draws=DRAWS, source="result"),
-        "spectra": _command("analyses.spectra", draws=DRAWS, source="result"),
-        "conicity": _command("profiles.conicity", draws=DRAWS),
-        "vehicle": _command("vehicles.stationary", draws=DRAWS_ONE),
+        "assess": _command("analyses:assess", _one_folder, draws=DRAWS, source="results"),
+        "validate": _command("measurements:validate", draws=DRAWS),
+        "ride": _command("analyses:ride", draws=DRAWS, source="result"),
+        "spectra": _command("analyses:spectra", draws=DRAWS, source="result"),
+        "conicity": _command("profiles:conicity", draws=DRAWS),
+        "vehicle": _command("vehicles:stationary", draws=DRAWS_ONE),
     },
     "Data": {
-        "profile": _command("profiles.profiles", draws=DRAWS_ONE, reads="files"),
-        "track": _command("pages.draw_track", draws=DRAWS_ONE, reads="file"),
-        "recording": _command("data.read_recording", _columns, draws=DRAWS, reads="file columns"),
-        "export": _command("data.export", source="result"),
-        "dataset": _command("data.dataset", source="study"),
-        "fmu": _command("data.write_unit", _step, reads="scenario", further=[STEP_MS]),
+        "profile": _command("profiles:profiles", draws=DRAWS_ONE, reads="files"),
+        "track": _command("pages:draw_track", draws=DRAWS_ONE, reads="file"),
+        "recording": _command("data:read_recording", _columns, draws=DRAWS, reads="file columns"),
+        "export": _command("data:export", source="result"),
+        "dataset": _command("data:dataset", source="study"),
+        "fmu": _command("data:write_unit", _step, reads="scenario", further=[STEP_MS]),
     },
 }
 """What makes the commands, by their names, in the panels of the help."""

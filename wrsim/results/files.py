@@ -142,9 +142,7 @@ def csv_parts(rows: Iterable[Sequence[str]]) -> Iterator[bytes]:
     """The same, some rows at a time."""
     rest = iter(rows)
     while some := list(islice(rest, _ROWS)):
-        cells = [
-            [cell if cell[:1] in "0123456789" or _NEGATIVE(cell) else safe_cell(cell) for cell in row] for row in some
-        ]
+        cells = [[c if c[:1] in "0123456789" or _NEGATIVE(c) else safe_cell(c) for c in row] for row in some]
         text = "\n".join(map(",".join, cells)) + "\n"
         commas = sum(map(len, cells)) - len(cells)
         if '"' in text or "\r" in text or text.count(",") > commas or text.count("\n") > len(cells) or [""] in cells:
