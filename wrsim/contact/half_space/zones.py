@@ -21,7 +21,7 @@ from wrsim.jit import Array
 LEVEL = 0.15  # of a lobe's depth: contact beyond it is rare, and found out
 KERNEL_LEVEL = 0.45  # of a lobe's depth: about where contact ends
 FINEST, COARSEST = 1e-6, 1e-4  # steps of the first look along the axis [m]
-LOOK = 400  # steps of the first look to either side
+LOOK = 400  # steps of the first look to either side, beyond what may act on the main point's zone
 TURN = 0.17  # cosine of the largest angle between the normals of one grid (80 degrees)
 DEEPEST_GAP = 5e-3  # at which an axis is given up [m]
 FADING = 0.8  # exponent
@@ -96,17 +96,8 @@ def _look(
     """Zones around one main point, and the stretches of the wheel's profile that they take. free: whether a stretch
     still belongs to no other main point."""
     step = min(max(sqrt(2.0 * depth / max(curvature, 0.5)) / 12.0, FINEST), COARSEST)
-    main, near = LOOK, settings.apart / step
-    while True:
-        rows = axis.lay(step, -main, main)
-        pen, arc, real = -rows["gap"], rows["arc_wheel"], axis.bodies.holds(rows)
-        pen[main] = max(pen[main], depth)
-        overlaps, first, last = _overlaps(rows, pen, main)
-        before, after = first == 0 and real[0], last == 2 * main and real[-1]
-        # twice as far, while a zone beyond might act on one of these
-        if not (before and overlaps[0][0] < near) and not (after and overlaps[-1][1] > last - near):
-            break
-        main *= 2
+    rows, main, overlaps = _rows_about(axis, depth, step, settings.apart / step)
+    pen, arc, real = -rows["gap"], rows["arc_wheel"], axis.bodies.holds(rows)
     spans = [
         (lo, hi)
         for lo, hi in overlaps
@@ -126,6 +117,23 @@ def _look(
     bounds = (0.5 * (less + start) - main) * step, (0.5 * (end + more) - main) * step
     footprint = Footprint(axis, depth, np.array(inner), np.array(sizes), fading**FADING, bounds)
     return footprint, [(lo - 2.0 * step, hi + 2.0 * step) for lo, hi in ends]
+
+
+def _rows_about(
+    axis: Axis, depth: float, step: float, near: float
+) -> tuple[NDArray[np.void], int, list[tuple[int, int]]]:
+    """Rows about a main point, its row, and the overlaps: as far as one beyond might act on one of these, which is
+    nearer than so many rows."""
+    main = LOOK + int(near)
+    while True:
+        rows = axis.lay(step, -main, main)
+        rows["gap"][main] = min(rows["gap"][main], -depth)
+        overlaps, first, last = _overlaps(rows, -rows["gap"], main)
+        real = axis.bodies.holds(rows)
+        before, after = first == 0 and real[0], last == 2 * main and real[-1]
+        if not (before and overlaps[0][0] < near) and not (after and overlaps[-1][1] > last - near):
+            return rows, main, overlaps
+        main *= 2
 
 
 def _overlaps(rows: NDArray[np.void], pen: Array, main: int) -> tuple[list[tuple[int, int]], int, int]:
