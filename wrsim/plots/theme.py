@@ -20,20 +20,18 @@ import numpy as np
 import xarray as xr
 from matplotlib import font_manager
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
 from matplotlib.textpath import TextPath
-from matplotlib.ticker import AutoLocator, MaxNLocator, NullLocator, ScalarFormatter
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
+from wrsim.plots.units import show_in_units
 from wrsim.results import CHANNELS, write_atomically
 from wrsim.results.moments import Strips
-from wrsim.results.units import CHOICE, Conversion, heading_in, in_text
 
 WHEEL_COLOUR = {"left": "#0072B2", "right": "#D55E00"}
 INK = "#222222"
@@ -283,86 +281,3 @@ def abscissa(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str]:
     distance = dataset["distance"].values if "distance" in dataset.variables else np.zeros(2)
     name = "distance" if distance.size < 2 or np.ptp(distance) > 1e-9 else "time"
     return shown(dataset, name), name
-
-
-class ConvertedLocator(MaxNLocator):
-    """Ticks at round numbers of another unit."""
-
-    def __init__(self, unit: Conversion, bins: Any) -> None:
-        super().__init__(nbins=bins, steps=[1, 2, 2.5, 5, 10])
-        self.unit = unit
-
-    def tick_values(self, vmin: float, vmax: float) -> Any:
-        return [self.unit.back(v) for v in super().tick_values(self.unit.forward(vmin), self.unit.forward(vmax))]
-
-
-class ConvertedFormatter(ScalarFormatter):
-    """Ticks written in another unit."""
-
-    def __init__(self, unit: Conversion) -> None:
-        super().__init__(useOffset=False)
-        self.set_scientific(False)
-        self.unit = unit
-
-    def set_locs(self, locs: Any) -> None:
-        super().set_locs([self.unit.forward(v) for v in locs])
-
-    def __call__(self, x: float, pos: int | None = None) -> str:
-        return super().__call__(self.unit.forward(x), pos)
-
-
-DIRECTIONS = ("x", "y")
-
-
-def show_in_units(figure: Figure) -> None:
-    """Give a picture the units in use, once.
-
-    An axis has the unit in its label, in the title of its panel, or in the label of a panel in its row or column;
-    logarithmic axes, and those with ticks of their own, stay as they are.
-    """
-    if CHOICE.get().system == "metric" or getattr(figure, "_in_units", False):
-        return
-    figure._in_units = True  # type: ignore[attr-defined]
-    ticks = {id(t) for axes in figure.axes for a in (axes.xaxis, axes.yaxis) for t in a.get_ticklabels(which="both")}
-    labels = {id(label) for axes in figure.axes for label in (axes.xaxis.label, axes.yaxis.label)}
-    axis_texts = {
-        direction: [(axes, _text_of(axes, direction)) for axes in figure.axes if _text_of(axes, direction)]
-        for direction in DIRECTIONS
-    }
-    for axes in figure.axes:
-        for direction in DIRECTIONS:
-            beside = (text for other, text in axis_texts[direction] if _aligned(axes, other, direction))
-            _convert(getattr(axes, f"{direction}axis"), _text_of(axes, direction) or next(beside, ""))
-    for text in figure.findobj(Text):
-        if id(text) not in ticks | labels and isinstance(text, Text):
-            text.set_text(heading_in(in_text(text.get_text()))[0])
-
-
-def _text_of(axes: Axes, direction: str) -> str:
-    """The label of an axis, or of one across without a label the title of its panel where that has a unit."""
-    titles = [title for place in ("left", "center", "right") if "[" in (title := axes.get_title(place))]
-    label: str = getattr(axes, f"{direction}axis").get_label_text()
-    return label or (titles[0] if titles and direction == "y" else "")
-
-
-def _aligned(axes: Axes, other: Axes, direction: str) -> bool:
-    """Whether panels lie in one row (y) or column (x): the first of them has the label for all."""
-    one, two = axes.get_position(original=True), other.get_position(original=True)
-    low, high = ("y0", "y1") if direction == "y" else ("x0", "x1")
-    return bool(getattr(two, low) < 0.5 * (getattr(one, low) + getattr(one, high)) < getattr(two, high))
-
-
-def _convert(axis: Axis, label: str) -> None:
-    label, unit = heading_in(label)
-    locator = axis.get_major_locator()
-    if text := axis.get_label_text():
-        axis.set_label_text(in_text(text))
-    if unit is None or axis.get_scale() != "linear" or not isinstance(locator, MaxNLocator | NullLocator):
-        return
-    if text:
-        axis.set_label_text(in_text(label))
-    if isinstance(locator, MaxNLocator):
-        bins = "auto" if isinstance(locator, AutoLocator) else getattr(locator, "_nbins", "auto")
-        bins = max(bins - 1, 1) if isinstance(bins, int) else bins  # numbers in inches have more digits
-        axis.set_major_locator(ConvertedLocator(unit, bins))
-        axis.set_major_formatter(ConvertedFormatter(unit))
