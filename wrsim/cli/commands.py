@@ -41,7 +41,9 @@ def _one_folder(given: Given) -> Given:
 
 
 def _columns(given: Given) -> Given:
-    return {"columns": resolve_name("wrsim.api.data:columns_of")(given["file"], given.get("columns"))}
+    from wrsim.api.data import columns_of
+
+    return {"columns": columns_of(given["file"], given.get("columns"))}
 
 
 def _step(given: Given) -> Given:

@@ -246,7 +246,9 @@ def similar_files(path: Path) -> str:
 
 
 def _listing(names: list[str]) -> str:
-    return "; there are " + ", ".join(names[:8]) + (", ..." if len(names) > 8 else "") if names else ""
+    if not names:
+        return ""
+    return "; there are " + ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
 
 
 def _syntax_message(reason: str, text: str, name: str) -> str:

@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
@@ -49,10 +49,17 @@ SUPPORT, SUPPORT_DAMPING = 1e9, 1e5
 OFF_TRACK = "derailed: the vehicle is no longer near its track at t = {:.6g} s"
 
 
+def _on_rails(track: Track, distances: ArrayLike) -> Array:
+    """Distances along the centre line, and those on both rails beside them: (..., 3) [m]."""
+    flat = np.ravel(distances)
+    columns = flat, *(track.rail_distance(side, flat) for side in SIDES)
+    return np.stack(columns, axis=-1).reshape(*np.shape(distances), 3)
+
+
 @lru_cache(maxsize=8)
-def _on_rails(track: Track, distances: tuple[float, ...]) -> Array:
-    """Distances along the centre line, and those on both rails beside them: (n, 3) [m]."""
-    return np.stack([distances, *(track.rail_distance(side, distances) for side in SIDES)], axis=-1)
+def _start_places(track: Track, distances: tuple[float, ...]) -> Array:
+    """The same for wheelsets at a start: those of one track begin at one place again and again."""
+    return _on_rails(track, distances)
 
 
 class VehicleOnTrack(Layout):
@@ -238,7 +245,7 @@ class VehicleOnTrack(Layout):
 
     def places(self, distances: Array) -> Array:
         """Rows for ``set_search_start`` (n, wheelsets, 3): distances of wheelsets (n, wheelsets) and on both rails."""
-        return _on_rails(self.track, tuple(np.ravel(distances).tolist())).reshape(*np.shape(distances), 3)
+        return _on_rails(self.track, distances)
 
     def set_speed(self, speed: float) -> None:
         """Change the constant speed [m/s] of the drive and of the frame of the track."""
@@ -261,7 +268,7 @@ class VehicleOnTrack(Layout):
     def _near(self, origin: float | Array) -> Array:
         """The row of ``places`` for a place as ``set_search_start`` takes it."""
         if np.ndim(origin) == 0:
-            return self.places(np.asarray(origin) + np.array([m.x for m in self.vehicle.wheelsets]))
+            return _start_places(self.track, tuple(float(origin) + m.x for m in self.vehicle.wheelsets))  # type: ignore[arg-type]
         return np.asarray(origin)
 
     def search_starts(self, places: Array) -> Array:

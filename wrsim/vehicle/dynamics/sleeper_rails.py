@@ -50,7 +50,7 @@ ROWS = 7
 
 
 class Pair(NamedTuple):
-    """Two systems of the same layout: ``own`` unknowns a node in ``numbers`` (own, elements a bay). bands (2, n, k +
+    """Two systems of the same layout; numbers: unknowns of a node, elements of a bay. bands (2, n, k +
     1): mass, damping, stiffness, factors, the band of the inverse; drag (2, n): dampers of the end zones; given (2, n):
     forces of what moves below; rows (2, ROWS, n); bending (2, elements) [N m2]; shear (1,) [N]."""
 
