@@ -65,7 +65,7 @@ def test_primitive_of_the_influence_of_a_strip(xi, t):
                  0.5 * np.pi, points=[nearest], epsabs=1e-13, epsrel=1e-12, limit=400)[0]  # fmt: skip
     vectors = np.zeros((VECTORS, 1))
     vectors[[V.FROM, V.TO, V.INVERSE, V.PUSH, V.MIDDLE, V.NB], 0] = 0.0, t, 1.0, 1.0, 0.0, 1.0
-    found = displacement_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0, False)
+    found = displacement_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0, False, False)
     assert found.fore == pytest.approx(exact, rel=2e-5)
     assert found.aft == pytest.approx(found.fore, rel=1e-12)
 
@@ -83,7 +83,7 @@ def test_terms_of_the_derivatives_are_those_of_the_displacement(xi, t):
     find_terms(influence_table(), vectors, 0, 1, 0.0, xi, False, *terms)
     u, u_xi, turn, start, end = terms[:, 0]
     step = 1e-5
-    beside = displacement_at(influence_table(), vectors.copy(), 0, 1, 0.0, xi, step, 3, 0.0, 1.0, False)
+    beside = displacement_at(influence_table(), vectors.copy(), 0, 1, 0.0, xi, step, 3, 0.0, 1.0, False, False)
     assert u == pytest.approx(beside.middle, rel=1e-12)
     assert u_xi == pytest.approx((beside.fore - beside.aft) / (2.0 * step), rel=1e-4, abs=1e-6)
     assert (start, end) == pytest.approx((potential(xi, 0.3 * t), potential(xi, 1.2 * t)), rel=1e-4)
@@ -97,7 +97,7 @@ def test_the_row_of_the_middle_is_that_of_the_table(t):
     found, terms = [], []
     for aligned in (True, False):
         own = vectors.copy()
-        found.append(displacement_at(influence_table(), own, 0, 1, 0.0, 0.0, 0.5, 2, 0.0, 1.0, aligned)[:2])
+        found.append(displacement_at(influence_table(), own, 0, 1, 0.0, 0.0, 0.5, 2, 0.0, 1.0, False, aligned)[:2])
         find_terms(influence_table(), own, 0, 1, 0.0, 0.0, aligned, *own[V.TERMS : V.TERMS + 5])
         terms.append(own[V.TERMS : V.TERMS + 5, 0])
     assert found[0] == pytest.approx(found[1], rel=1e-12)

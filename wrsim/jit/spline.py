@@ -1,17 +1,15 @@
-"""Bicubic splines of a table of coefficients, four of them at a time.
-
-LLVM does not find the four columns that lie side by side behind numba's bounds, so sums are written in vectors here.
-"""
+"""Bicubic splines of a table of coefficients, four of them at a time (`jit.lanes`)."""
 
 from typing import Any
 
-from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array
 
 from wrsim.jit.arena import Array
 from wrsim.jit.cache import CONFIG
+from wrsim.jit.lanes import FOUR, LANE, LANES, WORD, load, spread
 
 WEIGHTS = (
     (1 / 6, -1 / 2, 1 / 2, -1 / 6),
@@ -23,8 +21,6 @@ WEIGHTS = (
 SLOPES = tuple((b, 2.0 * c, 3.0 * d, 0.0) for _a, b, c, d in WEIGHTS)
 """The same of the derivative by z."""
 
-WORD, LANE, DOUBLE = ir.IntType(64), ir.IntType(32), ir.DoubleType()
-FOUR, LANES = ir.VectorType(DOUBLE, 4), ir.VectorType(LANE, 4)
 FUSED = ("contract",)  # a product and a sum in one, where the processor can
 
 
@@ -52,14 +48,37 @@ def _weights(position: float, powers: Any, z: float = -1.0) -> tuple[int, list[f
     return i, [a + z * (b + z * (c + z * d)) for a, b, c, d in powers]
 
 
-def _difference(
-    table: Array, u: float, u_z: float, lo: float, v: float, v_z: float, hi: float, w: float, w_z: float
-) -> float:
-    return hi * _with_slopes(table, u, w)[0] - lo * _with_slopes(table, u, v)[0]
+def _terms(
+    table: Array, u: float, u_z: float, lo: float, v: float, v_z: float, v_rate: float, hi: float, w: float,
+    w_z: float, w_rate: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    (low, low_u, low_v), (high, high_u, high_v) = _with_slopes(table, u, v), _with_slopes(table, u, w)
+    return hi * high - lo * low, hi * high_u - lo * low_u, low + v_rate * low_v, high + w_rate * high_v
 
 
-def _difference_in_row(row: Array, lo: float, v: float, v_z: float, hi: float, w: float, w_z: float) -> float:
-    return hi * _with_slope_in_row(row, w)[0] - lo * _with_slope_in_row(row, v)[0]
+def _terms_in_row(
+    row: Array, lo: float, v: float, v_z: float, v_rate: float, hi: float, w: float, w_z: float, w_rate: float
+) -> tuple[float, float, float]:
+    (low, low_v), (high, high_v) = _with_slope_in_row(row, v), _with_slope_in_row(row, w)
+    return hi * high - lo * low, low + v_rate * low_v, high + w_rate * high_v
+
+
+def _differences(table: Array, ends: tuple[Array, ...], places: tuple[Array, ...]) -> tuple[float, ...]:
+    lo, v, _, hi, w, _ = ends
+    return tuple(
+        sum(
+            hi[k] * _with_slopes(table, u[k], w[k])[0] - lo[k] * _with_slopes(table, u[k], v[k])[0]
+            for k in range(lo.size)
+        )
+        for u in places[::2]
+    )
+
+
+def _difference_in_row(row: Array, ends: tuple[Array, ...]) -> float:
+    lo, v, _, hi, w, _ = ends
+    return sum(
+        hi[k] * _with_slope_in_row(row, w[k])[0] - lo[k] * _with_slope_in_row(row, v[k])[0] for k in range(lo.size)
+    )
 
 
 class Sum:
@@ -69,10 +88,10 @@ class Sum:
         array = make_array(kind)(context, builder, table)
         self.builder, self.data, self.width = builder, array.data, builder.extract_value(array.shape, kind.ndim - 1)
 
-    def weights(self, position: Any, powers: Any, z: Any = None) -> tuple[Any, Any]:
+    def weights(self, position: Any, powers: Any, z: Any) -> tuple[Any, Any]:
         """As `_weights`, four side by side."""
         i = self.builder.fptosi(position, WORD)
-        z = self.spread(self.builder.fsub(position, self.builder.sitofp(i, DOUBLE)) if z is None else z)
+        z = spread(self.builder, z)
         *others, values = (FOUR(list(column)) for column in zip(*powers, strict=True))
         for constant in reversed(others):
             values = self.add(self.times(values, z), constant)
@@ -83,22 +102,12 @@ class Sum:
         place = self.builder.add(self.builder.mul(i, self.width), j)
         sums = [FOUR([0.0] * 4)] * len(weights)
         for p in range(4):
-            row = self.load(place)
+            row = load(self.builder, self.data, place)
             for w, of_rows in enumerate(weights):
                 weight = self.builder.shuffle_vector(of_rows, of_rows, LANES([p] * 4))
                 sums[w] = self.add(sums[w], self.times(row, weight))
             place = self.builder.add(place, self.width)
         return sums
-
-    def load(self, place: Any) -> Any:
-        """Four numbers from a place on."""
-        address = self.builder.gep(self.data, [place])
-        return self.builder.load(self.builder.bitcast(address, FOUR.as_pointer()), align=8)
-
-    def spread(self, x: Any) -> Any:
-        """A number four times."""
-        x = self.builder.insert_element(ir.Constant(FOUR, ir.Undefined), x, LANE(0))
-        return self.builder.shuffle_vector(x, x, LANES([0] * 4))
 
     def times(self, a: Any, b: Any) -> Any:
         return self.builder.fmul(a, b, flags=FUSED)
@@ -106,82 +115,134 @@ class Sum:
     def add(self, a: Any, b: Any) -> Any:
         return self.builder.fadd(a, b, flags=FUSED)
 
-    def step(self, lo: Any, start: Any, hi: Any, end: Any) -> Any:
-        """hi end - lo start, added up."""
-        hi, lo = self.times(self.spread(hi), end), self.times(self.spread(lo), start)
-        return self.total(self.builder.fsub(hi, lo, flags=FUSED))
+    def totals(self, *vectors: Any) -> list[Any]:
+        """The sums of up to four vectors."""
+        a, b, c, d = (*vectors, *[FOUR([0.0] * 4)] * (4 - len(vectors)))
+        shuffled = self.builder.shuffle_vector
+        ab, cd = (
+            self.add(shuffled(x, y, LANES([0, 4, 2, 6])), shuffled(x, y, LANES([1, 5, 3, 7])))
+            for x, y in ((a, b), (c, d))
+        )
+        sums = self.add(shuffled(ab, cd, LANES([0, 1, 4, 5])), shuffled(ab, cd, LANES([2, 3, 6, 7])))
+        return [self.builder.extract_element(sums, LANE(p)) for p in range(len(vectors))]
 
-    def total(self, x: Any) -> Any:
-        """The sum of four."""
-        one, two, three, four = (self.builder.extract_element(x, LANE(p)) for p in range(4))
-        return self.builder.fadd(self.builder.fadd(one, three), self.builder.fadd(two, four))
+    def scaled(self, x: Any, vector: Any) -> Any:
+        """A number times four."""
+        return self.times(spread(self.builder, x), vector)
+
+    def less(self, a: Any, b: Any) -> Any:
+        return self.builder.fsub(a, b, flags=FUSED)
+
+
+def _numbers_of(context: Any, builder: Any, kind: Any, arrays: Any, k: Any) -> list[Any]:
+    """Element k of each of a tuple of arrays."""
+    made = (make_array(kind.dtype)(context, builder, builder.extract_value(arrays, p)) for p in range(len(kind)))
+    return [builder.load(builder.gep(array.data, [k])) for array in made]
 
 
 @intrinsic
-def _with_slopes_compiled(_context: Any, table: Any, u: Any, v: Any) -> Any:
+def _terms_compiled(
+    _context: Any, table: Any, u: Any, u_z: Any, lo: Any, v: Any, v_z: Any, v_rate: Any, hi: Any, w: Any, w_z: Any,
+    w_rate: Any,
+) -> Any:  # fmt: skip
+    kind = types.UniTuple(types.float64, 4)
+
+    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        sums = Sum(context, builder, table, args[0])
+        (i, rows), (_, turned) = (sums.weights(args[1], powers, args[2]) for powers in (WEIGHTS, SLOPES))
+        shares, by_u, ends = [], [], []
+        for share, position, z, rate in (args[3:7], args[7:11]):
+            (j, columns), (_, leaning) = (sums.weights(position, powers, z) for powers in (WEIGHTS, SLOPES))
+            level, turn = sums.columns(i, j, rows, turned)
+            scaled = sums.scaled(share, columns)
+            shares.append(sums.times(level, scaled))
+            by_u.append(sums.times(turn, scaled))
+            ends.append(sums.times(level, sums.add(columns, sums.scaled(rate, leaning))))
+        (low, high), (low_u, high_u) = shares, by_u
+        return context.make_tuple(builder, kind, sums.totals(sums.less(high, low), sums.less(high_u, low_u), *ends))
+
+    return kind(table, *[types.float64] * 10), code
+
+
+@intrinsic
+def _terms_in_row_compiled(
+    _context: Any, row: Any, lo: Any, v: Any, v_z: Any, v_rate: Any, hi: Any, w: Any, w_z: Any, w_rate: Any
+) -> Any:  # fmt: skip
     kind = types.UniTuple(types.float64, 3)
 
     def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        sums = Sum(context, builder, table, args[0])
-        (i, rows), (_, turned) = (sums.weights(args[1], powers) for powers in (WEIGHTS, SLOPES))
-        (j, columns), (_, leaning) = (sums.weights(args[2], powers) for powers in (WEIGHTS, SLOPES))
-        level, by_u = sums.columns(i, j, rows, turned)
-        products = sums.times(level, columns), sums.times(by_u, columns), sums.times(level, leaning)
-        return context.make_tuple(builder, kind, [sums.total(x) for x in products])
-
-    return kind(table, types.float64, types.float64), code
-
-
-@intrinsic
-def _with_slope_in_row_compiled(_context: Any, row: Any, v: Any) -> Any:
-    kind = types.UniTuple(types.float64, 2)
-
-    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
         sums = Sum(context, builder, row, args[0])
-        (j, columns), (_, leaning) = (sums.weights(args[1], powers) for powers in (WEIGHTS, SLOPES))
-        level = sums.load(j)
-        return context.make_tuple(builder, kind, [sums.total(sums.times(level, x)) for x in (columns, leaning)])
+        shares, ends = [], []
+        for share, position, z, rate in (args[1:5], args[5:9]):
+            (j, columns), (_, leaning) = (sums.weights(position, powers, z) for powers in (WEIGHTS, SLOPES))
+            level = load(builder, sums.data, j)
+            shares.append(sums.times(level, sums.scaled(share, columns)))
+            ends.append(sums.times(level, sums.add(columns, sums.scaled(rate, leaning))))
+        return context.make_tuple(builder, kind, sums.totals(sums.less(shares[1], shares[0]), *ends))
 
-    return kind(row, types.float64), code
+    return kind(row, *[types.float64] * 8), code
+
+
+def _sums(context: Any, builder: Any, table: Any, kinds: Any, args: Any, step: Any, count: int) -> list[Any]:
+    """Sums over all ends of what ``step(sums, k, low, high)`` gives, so many vectors; low, high: column and weights,
+    with their shares, of both ends."""
+    sums = Sum(context, builder, table, args[0])
+    kept = [cgutils.alloca_once(builder, FOUR) for _ in range(count)]
+    for place in kept:
+        builder.store(FOUR([0.0] * 4), place)
+    first = make_array(kinds.dtype)(context, builder, builder.extract_value(args[1], 0))
+    with cgutils.for_range(builder, builder.extract_value(first.shape, 0)) as loop:
+        lo, v, v_z, hi, w, w_z = _numbers_of(context, builder, kinds, args[1], loop.index)
+        (i, start), (j, end) = sums.weights(v, WEIGHTS, v_z), sums.weights(w, WEIGHTS, w_z)
+        terms = step(sums, loop.index, (i, sums.scaled(lo, start)), (j, sums.scaled(hi, end)))
+        for place, (low, high) in zip(kept, terms, strict=True):
+            builder.store(sums.less(sums.add(builder.load(place), high), low), place)
+    return sums.totals(*map(builder.load, kept))
 
 
 @intrinsic
-def _difference_compiled(
-    _context: Any, table: Any, u: Any, u_z: Any, lo: Any, v: Any, v_z: Any, hi: Any, w: Any, w_z: Any
-) -> Any:
-    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        sums = Sum(context, builder, table, args[0])
-        (k, rows), (i, start), (j, end) = (sums.weights(args[p], WEIGHTS, args[p + 1]) for p in (1, 4, 7))
-        low, high = sums.columns(k, i, rows)[0], sums.columns(k, j, rows)[0]
-        return sums.step(args[3], sums.times(low, start), args[6], sums.times(high, end))
+def _differences_compiled(_context: Any, table: Any, ends: Any, places: Any) -> Any:
+    count = len(places) // 2
+    kind = types.UniTuple(types.float64, count)
 
-    return types.float64(table, *[types.float64] * 8), code
+    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        def step(sums: Sum, k: Any, low: Any, high: Any) -> Any:
+            numbers = _numbers_of(context, builder, places, args[2], k)
+            for p in range(count):
+                row, weights = sums.weights(numbers[2 * p], WEIGHTS, numbers[2 * p + 1])
+                yield [sums.times(sums.columns(row, column, weights)[0], shares) for column, shares in (low, high)]
+
+        return context.make_tuple(builder, kind, _sums(context, builder, table, ends, args, step, count))
+
+    return kind(table, ends, places), code
 
 
 @intrinsic
-def _difference_in_row_compiled(_context: Any, row: Any, lo: Any, v: Any, v_z: Any, hi: Any, w: Any, w_z: Any) -> Any:
+def _difference_in_row_compiled(_context: Any, row: Any, ends: Any) -> Any:
     def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        sums = Sum(context, builder, row, args[0])
-        (i, start), (j, end) = (sums.weights(args[p], WEIGHTS, args[p + 1]) for p in (2, 5))
-        return sums.step(args[1], sums.times(sums.load(i), start), args[4], sums.times(sums.load(j), end))
+        def step(sums: Sum, _k: Any, low: Any, high: Any) -> Any:
+            yield [sums.times(load(builder, sums.data, column), shares) for column, shares in (low, high)]
 
-    return types.float64(row, *[types.float64] * 6), code
+        return _sums(context, builder, row, ends, args, step, 1)[0]
+
+    return types.float64(row, ends), code
 
 
-with_slopes: Any
-with_slope_in_row: Any
-difference: Any
+terms: Any
+terms_in_row: Any
+differences: Any
 difference_in_row: Any
 if CONFIG.DISABLE_JIT:
-    with_slopes, with_slope_in_row = _with_slopes, _with_slope_in_row
-    difference, difference_in_row = _difference, _difference_in_row
+    terms, terms_in_row, differences, difference_in_row = _terms, _terms_in_row, _differences, _difference_in_row
 else:
-    with_slopes, with_slope_in_row = _with_slopes_compiled, _with_slope_in_row_compiled
-    difference, difference_in_row = _difference_compiled, _difference_in_row_compiled
+    terms, terms_in_row = _terms_compiled, _terms_in_row_compiled
+    differences, difference_in_row = _differences_compiled, _difference_in_row_compiled
 """Of a C-contiguous table, in whose rows u to u + 3 and columns v to v + 3 the coefficients lie that count at (u, v)
 steps along rows and columns, or of a row of one.
 
-with_slopes(table, u, v), with_slope_in_row(row, v): value and derivatives by u and v, or by v;
-difference(table, u, u_z, lo, v, v_z, hi, w, w_z), difference_in_row(row, lo, v, v_z, hi, w, w_z): hi times the value at
-w less lo times that at v; _z: what of a place is beyond its last whole number of steps.
+terms(table, u, u_z, lo, v, v_z, v_rate, hi, w, w_z, w_rate): hi times the value at w less lo times that at v, the same
+of their slopes by u; value and rate times slope at v, and at w. terms_in_row(row, lo, ...): without slopes by u.
+differences(table, ends, places): at each of some places hi times the value at w less lo times that at v, added up over
+all ends, (lo, v, v_z, hi, w, w_z), arrays; places: (u, u_z) of each, one behind the other, arrays; _z: what of a
+position is beyond its last whole number of steps. difference_in_row(row, ends): the same in a row.
 """

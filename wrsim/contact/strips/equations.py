@@ -149,7 +149,8 @@ def displacements(
         share = fading(system, h, g) / memo.stiffness
         if share > 0.0:
             aligned = not memo.has_shifts and h == g
-            u = displacement_at(system.table, system.vectors, h * n, (h + 1) * n, s, x, r, points, no, nb, aligned)
+            first, last, turned = h * n, (h + 1) * n, memo.curved != 0
+            u = displacement_at(system.table, system.vectors, first, last, s, x, r, points, no, nb, turned, aligned)
             middle, fore, aft = middle + share * u.middle, fore + share * u.fore, aft + share * u.aft
     return Displacements(middle, fore, aft)
 

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wrsim.contact.strips.records import V
+from wrsim.contact.strips.records import RESTS, V
 from wrsim.jit import Array, inlined, kernel, noalias_kernel
 from wrsim.jit.arena import bits_of, number_of
-from wrsim.jit.spline import difference, difference_in_row, with_slope_in_row, with_slopes
+from wrsim.jit.spline import difference_in_row, differences, terms, terms_in_row
 
 LOWEST, HIGHEST, STEPS = -12, 12, 6
 """Octaves of t in the table, and steps in each; below the first t counts as its start."""
@@ -60,18 +60,22 @@ def _coordinate_xi(xi: float) -> float:
 
 
 @noalias_kernel
-def _find_ends(start: Array, end: Array, inverse: Array, s: float, low: Array, high: Array) -> None:
-    """Coordinates t of both ends of strips, (n,), seen from s."""
+def _find_ends(
+    start: Array, end: Array, inverse: Array, s: float, low: Array, low_z: Array, high: Array, high_z: Array
+) -> None:
+    """Coordinates t of both ends of strips, (n,), seen from s; _z: what of them is beyond their last whole step."""
     for j in range(inverse.size):
-        low[j] = _coordinate_t((start[j] - s) * inverse[j])
-        high[j] = _coordinate_t((end[j] - s) * inverse[j])
+        lo = _coordinate_t((start[j] - s) * inverse[j])
+        hi = _coordinate_t((end[j] - s) * inverse[j])
+        low[j], low_z[j], high[j], high_z[j] = lo, lo - np.floor(lo), hi, hi - np.floor(hi)
 
 
 @noalias_kernel
-def _find_middles(middle: Array, inverse: Array, x: float, beside: Array) -> None:
-    """Coordinates xi of the point x, (n,), seen from the middles of strips."""
+def _find_middles(middle: Array, inverse: Array, x: float, beside: Array, beside_z: Array) -> None:
+    """Coordinates xi of the point x, (n,), seen from the middles of strips; _z: as in ``_find_ends``."""
     for j in range(inverse.size):
-        beside[j] = _coordinate_xi((x - middle[j]) * inverse[j])
+        xi = _coordinate_xi((x - middle[j]) * inverse[j])
+        beside[j], beside_z[j] = xi, xi - np.floor(xi)
 
 
 @noalias_kernel
@@ -80,13 +84,6 @@ def _find_levers(start: Array, end: Array, inverse: Array, push: Array, s: float
     for j in range(inverse.size):
         lo[j] = (start[j] - s) * (push[j] * inverse[j])
         hi[j] = (end[j] - s) * (push[j] * inverse[j])
-
-
-@noalias_kernel
-def _find_rests(position: Array, n: int, rest: Array) -> None:
-    """What of coordinates is beyond their last whole step, (n,)."""
-    for j in range(n):
-        rest[j] = position[j] - np.floor(position[j])
 
 
 @noalias_kernel
@@ -149,10 +146,11 @@ class Displacements(NamedTuple):
 @kernel
 def displacement_at(
     table: Array, vectors: Array, first: int, last: int, s: float, x: float, r: float, points: int, no: float,
-    nb: float, aligned: bool,
+    nb: float, turned: bool, aligned: bool,
 ) -> Displacements:  # fmt: skip
     """Displacements (strip-sum), times pi E*, under strips that follow each other at (x, s), x + r and x - r, or the
-    first ``points`` of these; no, nb: the normal there; aligned: x is the middle of all strips.
+    first ``points`` of these; no, nb: the normal there, if it counts (turned); aligned: x is the middle of all strips,
+    for two points at most.
 
     The coordinates in the table are computed for several strips at a time.
     """
@@ -161,42 +159,39 @@ def displacement_at(
         vectors[V.FROM, first:last], vectors[V.TO, first:last], vectors[V.INVERSE, first:last],
         vectors[V.MIDDLE, first:last], vectors[V.PUSH, first:last],
     )  # fmt: skip
-    low, high, beside, before, behind, low_z, high_z, beside_z, before_z, behind_z = (
-        vectors[V.TERMS], vectors[V.TERMS + 1], vectors[V.TERMS + 2], vectors[V.TERMS + 3], vectors[V.TERMS + 4],
-        vectors[V.TERMS + 5], vectors[V.TERMS + 6], vectors[V.TERMS + 7], vectors[V.TERMS + 8], vectors[V.TERMS + 9],
+    n = last - first
+    low, high, low_z, high_z, lo, hi = (
+        vectors[V.TERMS, :n], vectors[V.TERMS + 1, :n], vectors[V.TERMS + 2, :n], vectors[V.TERMS + 3, :n],
+        vectors[V.TERMS + 4, :n], vectors[V.TERMS + 5, :n],
     )  # fmt: skip
-    lo, hi = vectors[V.TERMS + 10], vectors[V.TERMS + 11]
+    here, here_z, before, before_z, behind, behind_z = (
+        vectors[V.TERMS + 6, :n], vectors[V.TERMS + 7, :n], vectors[V.TERMS + 8, :n], vectors[V.TERMS + 9, :n],
+        vectors[V.TERMS + 10, :n], vectors[V.TERMS + 11, :n],
+    )  # fmt: skip
     _find_levers(start, end, inverse, pushes, s, lo, hi)
-    _find_ends(start, end, inverse, s, low, high)
-    _find_rests(low, inverse.size, low_z)
-    _find_rests(high, inverse.size, high_z)
+    if turned:
+        for j in range(n):
+            felt = turned_influence(vectors, first + j, no, nb, s)
+            lo[j] *= felt
+            hi[j] *= felt
+    _find_ends(start, end, inverse, s, low, low_z, high, high_z)
     if not aligned:
-        _find_middles(middles, inverse, x, beside)
-        _find_rests(beside, inverse.size, beside_z)
+        _find_middles(middles, inverse, x, here, here_z)
     if points > 1:
-        _find_middles(middles, inverse, x + r, before)
-        _find_rests(before, inverse.size, before_z)
+        _find_middles(middles, inverse, x + r, before, before_z)
     if points > 2:
-        _find_middles(middles, inverse, x - r, behind)
-        _find_rests(behind, inverse.size, behind_z)
-    in_middle = table[table.shape[0] - 1]
+        _find_middles(middles, inverse, x - r, behind, behind_z)
+    ends = lo, low, low_z, hi, high, high_z
     middle = fore = aft = 0.0
-    for j in range(last - first):
-        if pushes[j] == 0.0:
-            continue
-        felt = turned_influence(vectors, first + j, no, nb, s)
-        if aligned:
-            middle += felt * difference_in_row(in_middle, lo[j], low[j], low_z[j], hi[j], high[j], high_z[j])
-        else:
-            middle += felt * difference(
-                table, beside[j], beside_z[j], lo[j], low[j], low_z[j], hi[j], high[j], high_z[j]
-            )
-        if points > 1:
-            u = difference(table, before[j], before_z[j], lo[j], low[j], low_z[j], hi[j], high[j], high_z[j])
-            fore += felt * u
-        if points > 2:
-            u = difference(table, behind[j], behind_z[j], lo[j], low[j], low_z[j], hi[j], high[j], high_z[j])
-            aft += felt * u
+    if points > 2:
+        middle, fore, aft = differences(table, ends, (here, here_z, before, before_z, behind, behind_z))
+        return Displacements(middle, fore, aft)
+    if aligned:
+        middle = difference_in_row(table[table.shape[0] - 1], ends)
+    else:
+        middle = differences(table, ends, (here, here_z))[0]
+    if points > 1:
+        fore = differences(table, ends, (before, before_z))[0]
     return Displacements(middle, fore, aft)
 
 
@@ -215,23 +210,20 @@ def find_terms(
     )  # fmt: skip
     p, p_xi, lever, f0, f1 = p[first:last], p_xi[first:last], lever[first:last], f0[first:last], f1[first:last]
     in_middle = table[table.shape[0] - 1]
-    _find_ends(start, end, inverses, s, f0, f1)
+    f0_z, f1_z, p_z = vectors[RESTS], vectors[RESTS + 1], vectors[RESTS + 2]
+    _find_ends(start, end, inverses, s, f0, f0_z, f1, f1_z)
     _find_rates(start, end, inverses, s, lever, p_xi)
     if not aligned:
-        _find_middles(middles, inverses, x, p)
+        _find_middles(middles, inverses, x, p, p_z)
     for j in range(last - first):
         lo, hi = (start[j] - s) * inverses[j], (end[j] - s) * inverses[j]
         if aligned:
-            low, low_t = with_slope_in_row(in_middle, f0[j])
-            high, high_t = with_slope_in_row(in_middle, f1[j])
-            low_xi = high_xi = 0.0
+            p[j], f0[j], f1[j] = terms_in_row(in_middle, lo, f0[j], f0_z[j], lever[j], hi, f1[j], f1_z[j], p_xi[j])
+            p_xi[j] = 0.0
         else:
-            low, low_xi, low_t = with_slopes(table, p[j], f0[j])
-            high, high_xi, high_t = with_slopes(table, p[j], f1[j])
-        f0[j] = low + lever[j] * low_t
-        f1[j] = high + p_xi[j] * high_t
-        p[j] = hi * high - lo * low
-        p_xi[j] = hi * high_xi - lo * low_xi
+            p[j], p_xi[j], f0[j], f1[j] = terms(
+                table, p[j], p_z[j], lo, f0[j], f0_z[j], lever[j], hi, f1[j], f1_z[j], p_xi[j]
+            )
         lever[j] = hi * f1[j] - lo * f0[j]
     if not aligned:
         _scale_by_rate(middles, inverses, x, p_xi)

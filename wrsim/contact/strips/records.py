@@ -157,7 +157,8 @@ class VectorRows(NamedTuple):
 
 V = VectorRows(*range(len(VectorRows._fields)))
 POINTS, TERMS_PER_POINT = 3, 5
-VECTORS = V.TERMS + POINTS * TERMS_PER_POINT
+RESTS = V.TERMS + POINTS * TERMS_PER_POINT  # of coordinates beyond whole steps: three rows
+VECTORS = RESTS + 3
 
 
 class System(NamedTuple):
