@@ -18,6 +18,7 @@ from wrsim.jit import Array, Bools, Ints, inlined, kernel
 from wrsim.jit.root import interval
 
 STEEPEST = 3.0  # slope across up to which a yawed wheel's shift is followed
+SERIES = 1e-4  # squares of slopes below which series take the place of roots, to round-off
 LEAST_PARTING = 0.1  # of the wheel's curvature: a rail that is more hollow is touched at two places
 
 
@@ -182,14 +183,21 @@ def along(rail: Rail, envelope: Envelope, point: ProfilePoint, x: float, to_axle
     rise = rail.twist * (point.u * point.tu + point.w * point.tw) + bow * (x + envelope.ahead)
     rise /= max(1.0 - bow * to_axle, LEAST_PARTING)  # the way that it is ahead for this rise counts, too
     ahead = envelope.ahead + to_axle * rise
-    drop = rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead)
+    share = ahead * ahead * (1.0 / (rail.radius * rail.radius))
+    if share < SERIES:
+        drop = rail.radius * share * (0.5 + share * (0.125 + share * 0.0625))
+    else:
+        drop = rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead)
     return Along(ahead, drop, envelope.slope + rise, envelope.bend)
 
 
 @inlined
 def tilted(at: Along) -> float:
     """Cosine of the slope along the track: of a distance in the section to that along the true normal."""
-    return 1.0 / sqrt(1.0 + at.slope * at.slope)
+    square = at.slope * at.slope
+    if square < SERIES:
+        return 1.0 - square * (0.5 - square * (0.375 - square * 0.3125))
+    return 1.0 / sqrt(1.0 + square)
 
 
 @inlined
