@@ -6,7 +6,8 @@ import numba
 import numpy as np
 import pytest
 
-from wrsim.jit import Array, Ints, compiling, kernel, stages
+from wrsim.jit import Array, Ints, compiling, kernel, parallel, prange, stages
+from wrsim.jit.arena import take
 
 with pytest.MonkeyPatch.context() as patch:
     patch.setattr(compiling, "CACHE", None)
@@ -30,6 +31,20 @@ with pytest.MonkeyPatch.context() as patch:
         for i in range(index.shape[0]):
             total += stages.run(index[i, 0], buffer, index)
         return total
+
+    @parallel
+    def take_all(marks: Array, takers: Ints) -> None:
+        """Every taker tries every mark."""
+        for taker in prange(takers.size):
+            for place in range(marks.size):
+                takers[taker] += take(marks, place)
+
+
+def test_a_mark_is_taken_once():
+    compiling.use_threads(min(2, compiling.cores()))
+    marks, takers = np.zeros(20_000), np.zeros(8, int)
+    take_all(marks, takers)
+    assert takers.sum() == marks.size and np.all(marks == 1.0)
 
 
 def test_a_table_of_stages_grows_and_keeps_those_that_were_there():

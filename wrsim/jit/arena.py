@@ -106,6 +106,29 @@ number_of: Any
 bits_of, number_of = (_bits_of, _number_of) if CONFIG.DISABLE_JIT else (_bits_compiled, _number_compiled)
 
 
+def _take(buffer: Array, place: int) -> bool:
+    """Mark a place where 0 stands; whether it was not marked yet: of several threads one takes it."""
+    before, buffer[place] = buffer[place], 1.0
+    return bool(before == 0.0)
+
+
+@intrinsic
+def _take_compiled(_context: Any, buffer: Any, place: Any) -> Any:
+    """As `_take`."""
+
+    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        word = ir.IntType(64)
+        number = builder.gep(make_array(buffer)(context, builder, args[0]).data, [args[1]])
+        one = word(_bits_of(1.0))
+        before = builder.atomic_rmw("xchg", builder.bitcast(number, word.as_pointer()), one, "monotonic")
+        return builder.icmp_signed("==", before, word(0))
+
+    return types.boolean(buffer, types.intp), code
+
+
+take: Any = _take if CONFIG.DISABLE_JIT else _take_compiled
+
+
 @inlined
 def vector(buffer: Array, index: Ints, k: int) -> Array:
     """Array number k as (n,)."""

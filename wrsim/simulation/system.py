@@ -38,6 +38,8 @@ SPAN = 1 << 20
 """Steps of one call of Exudyn's solver; it is stopped after half of them, or earlier."""
 
 
+NO_FORCES = [0.0] * 6
+
 AfterStep = Callable[[float], bool]
 
 
@@ -119,9 +121,18 @@ class BodySystem:
                 nodes.append(mbs.AddNode(node))
                 mass = self._matrix(np.eye(dampers))
                 mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes[-1:], massMatrix=mass))
-            force, jacobian = self._callback(BodySystem._force), self._callback(BodySystem._jacobian)
+            # a user function takes and returns lists: one of six numbers fills the vector of the next object
+            none = self._matrix(np.zeros((6, 6)))
             mbs.AddObject(
-                items.ObjectGenericODE2(nodeNumbers=nodes, forceUserFunction=force, jacobianUserFunction=jacobian)
+                items.ObjectGenericODE2(
+                    nodeNumbers=nodes[:1], forceUserFunction=self._callback(BodySystem._force),
+                    jacobianUserFunction=lambda *_: none,
+                )
+            )  # fmt: skip
+            self._forced = mbs.AddObject(
+                items.ObjectGenericODE2(
+                    nodeNumbers=nodes, forceVector=self._out, jacobianUserFunction=self._callback(BodySystem._jacobian)
+                )
             )
             mbs.Assemble()
             mbs.SetPostStepUserFunction(self._callback(BodySystem._post_step))
@@ -165,17 +176,17 @@ class BodySystem:
         return start + (2 * before + round(t / half)) * half
 
     def _force(self, t: float, item: int, q: object, q_t: object) -> list[float]:
-        """Generalised forces at the current state: a list, as the arguments are; the views hold the same numbers."""
+        """Take the generalised forces at the current state; beside them there are none."""
         newton, out = self._newton, self._out
-        if newton is not None and newton.estimate(out):
-            return out.tolist()
-        self.work.evaluations += 1
-        time = self._time(t)
-        self.forces(time, self.q, self.q_t, out)
-        bad = first_not_finite(out, out) if newton is None else newton.update(out)
-        if bad >= 0:
-            raise NotFinite(bad, time)
-        return out.tolist()
+        if newton is None or not newton.estimate(out):
+            self.work.evaluations += 1
+            time = self._time(t)
+            self.forces(time, self.q, self.q_t, out)
+            bad = first_not_finite(out, out) if newton is None else newton.update(out)
+            if bad >= 0:
+                raise NotFinite(bad, time)
+        self._mbs.SetObjectParameter(self._forced, "forceVector", out)
+        return NO_FORCES
 
     def _jacobian(self, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Any:
         self.work.jacobians += 1

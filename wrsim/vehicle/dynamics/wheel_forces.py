@@ -15,6 +15,7 @@ from wrsim.contact.arrays import Arrays, call_of, results
 from wrsim.contact.records import CONTACT, WheelPose
 from wrsim.contact.strips.records import MEMO
 from wrsim.jit import Array, Ints, Record, inlined, kernel, parallel, prange, record, records, stages, vector
+from wrsim.jit.arena import take
 from wrsim.jit.frames import BODY, VECTOR, BodyMotion, CurveNodes, Frame, get_body, point_velocity, put, put_at
 from wrsim.jit.linalg import ZERO, Vec, add, components, cross, from_components, scale, shifted, sub
 from wrsim.track.path_kernel import NODE, bends, frame_at, locate
@@ -26,6 +27,7 @@ POSE, LOBES, MEMO_PLACE = (Arrays._fields.index(name) for name in ("pose", "patc
 
 WHEEL = record(
     """
+    taken        [1]     0: no thread has taken this wheel yet
     side         [1]     +1 left, -1 right
     half_spacing [m]     H/2
     beside       [m]     distance from the wheelset's middle of the point beside which the rail's section is taken
@@ -191,9 +193,17 @@ def memo_of(buffer: Array, index: Ints, i: int) -> Record:
 
 @parallel
 def in_parallel(buffer: Array, index: Ints) -> int:
-    """As `in_turn`, on as many threads as numba is set to use."""
-    for i in prange(index.shape[0] // ARRAYS):
-        stages.run(ONE_WHEEL, buffer, index[i * ARRAYS : (i + 1) * ARRAYS])
+    """As `in_turn`, on as many threads as numba is set to use. Each begins with the first wheel of its share and takes
+    what no other has taken, also beyond it; then nothing is left for its other wheels."""
+    count = index.shape[0] // ARRAYS
+    for i in range(count):
+        buffer[index[i * ARRAYS + WHEEL_RECORD, 0]] = 0.0
+    for first in prange(count):
+        for k in range(count):
+            i = (first + k) % count
+            place = index[i * ARRAYS + WHEEL_RECORD, 0]  # of its mark
+            if buffer[place] == 0.0 and take(buffer, place):
+                stages.run(ONE_WHEEL, buffer, index[i * ARRAYS : (i + 1) * ARRAYS])
     return OK
 
 
