@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_hex
+from matplotlib.ticker import MaxNLocator
 from support import synthetic_result
 
 from wrsim.plots import new_figure, patch_gallery, standard_figures, standard_pictures, style
@@ -16,7 +17,7 @@ from wrsim.plots.histories import channels_figure, contact_angle, history, track
 from wrsim.plots.marks import broken
 from wrsim.plots.moments import PatchAt, patches_at
 from wrsim.plots.patches import contact_patch, pressure_scale
-from wrsim.plots.theme import WHEEL_COLOUR
+from wrsim.plots.theme import WHEEL_COLOUR, InView
 from wrsim.results import Result
 
 
@@ -152,6 +153,19 @@ def test_the_section_shows_both_outlines_and_the_patch_on_them(axes):
 )
 def test_every_kind_of_result_gets_its_pictures(dataset, names):
     assert list(standard_figures(dataset())) == names
+
+
+@pytest.mark.parametrize(
+    "span", [(-0.3, 7.1), (0.0, 0.9), (3.1, 3.4), (2.4, -2.4), (12.4, 23.1), (1e5 + 0.2, 1e5 + 3.0)]
+)
+def test_ticks_within_an_axis_have_the_places_and_numbers_that_they_have_among_all(axes, span):
+    axes.set_xlim(span)
+    every, seen = [], []
+    for locator, ticks in ((MaxNLocator(4), every), (InView(4), seen)):
+        axes.xaxis.set_major_locator(locator)
+        ticks += [(label.get_position()[0], label.get_text()) for label in axes.get_xticklabels()]
+    assert seen == [(place, text) for place, text in every if min(span) <= place <= max(span)]
+    assert 1 < len(seen) < len(every)
 
 
 def test_pictures_have_the_same_bytes_for_the_same_data_and_leave_settings_alone(tmp_path):

@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wrsim.assessment.limits import LimitContext
@@ -185,7 +184,7 @@ def _limits_with_zero(axes: Axes, values: NDArray[Any], least: float, margin: fl
         low, high = -0.5 * least, 0.5 * least
     space = margin * (high - low)
     axes.set_ylim(low - space if low < 0.0 else -0.04 * (high - low), high + space if high > 0.0 else 0.0)
-    axes.yaxis.set_major_locator(MaxNLocator(3))
+    axes.yaxis.set_major_locator(theme.InView(3))
 
 
 def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> Axes:

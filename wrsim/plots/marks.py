@@ -10,7 +10,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wrsim.plots import theme
@@ -66,8 +65,8 @@ def panels(
             axes.tick_params(labelbottom=False)
             axes.set_xlabel("")
     title, note = (
-        theme.wrapped(theme.caption(title), 0.97 * theme.full_width(), 8.5),
-        theme.wrapped(note, 0.97 * theme.full_width()) if note else "",
+        theme.wrapped(text, 0.97 * theme.full_width(), size)
+        for text, size in ((theme.caption(title), 8.5), (note, 7.5))
     )
     if title or note:  # lines of the title that are empty make room for the note
         room = "\n" * (note.count("\n") + (1 if title else 0)) + (" " if note else "")
@@ -136,7 +135,7 @@ def few_ticks(axes: Axes, most: int, size: float, pad: float = 1.5) -> None:
     axes.tick_params(labelsize=size, pad=pad)
     lines = 72.0 * axes.get_window_extent().height / axes.figure.dpi / (1.6 * size)
     for axis, count in ((axes.xaxis, most), (axes.yaxis, max(1, min(most, int(lines))))):
-        axis.set_major_locator(MaxNLocator(count, steps=[1, 2, 5, 10], min_n_ticks=1))
+        axis.set_major_locator(theme.InView(count, steps=[1, 2, 5, 10], min_n_ticks=1))
 
 
 def right_axis(axes: Axes) -> Axes:

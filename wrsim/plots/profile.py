@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, MultipleLocator
+from matplotlib.ticker import MultipleLocator
 
 from wrsim.contact.profiles.profile import Profile
 from wrsim.errors import InputError
@@ -101,11 +101,10 @@ def profiles_figure(profiles: Sequence[Profile], table: Table, unworn: Profile |
         values = np.array([np.nan if row[i + 1] is None else row[i + 1] for row in table.rows], dtype=float)
         axes.scatter(values, places, c=colours, s=10.0, zorder=3.0, clip_on=False)
         axes.set(ylim=(rows - 0.5, -0.5), title=column.heading)
-        axes.set_yticks(
-            places, [shorten(str(row[0]), 26, placeholder="...") for row in table.rows] if i % side == 0 else []
-        )
+        names = [shorten(str(row[0]), 26, placeholder="...") for row in table.rows] if i % side == 0 else []
+        axes.set_yticks(places, names)
         axes.tick_params(labelsize=min(6.5, 1.6 * sheet / rows))
-        axes.xaxis.set_major_locator(MaxNLocator(3 if side == len(measures) else 2))
+        axes.xaxis.set_major_locator(theme.InView(3 if side == len(measures) else 2))
         low, high = np.nanmin(values, initial=np.inf), np.nanmax(values, initial=-np.inf)
         if column.unit == "mm" and 0.0 <= high - low < FINEST:
             axes.set_xlim(low - FINEST, high + FINEST)
@@ -145,7 +144,7 @@ def draw_shape(profile: Profile, axes: Axes) -> None:
     axes.set_aspect("equal")
     axes.set_xlim(u.min(), u.max())
     axes.set_ylim(w.min(), w.max())
-    axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
+    axes.yaxis.set_major_locator(theme.InView(7, steps=[1, 2, 5, 10]))
     axes.set_ylabel("Height w [mm]")
 
 

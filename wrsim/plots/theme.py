@@ -26,6 +26,7 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
 from matplotlib.textpath import TextPath
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
@@ -199,10 +200,24 @@ def new_figure(width_mm: float, height_mm: float, *, constrained: bool = True) -
     return figure
 
 
+class InView(MaxNLocator):
+    """Ticks within an axis, without those next beyond, which are made and not drawn: a third of all. From a single one
+    the digits of its number would not be known."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        places: Any = super().tick_values(vmin, vmax)
+        (low, high), margin = sorted((vmin, vmax)), 1e-10 * abs(vmax - vmin)  # as they are drawn
+        seen = places[(low - margin <= places) & (places <= high + margin)]
+        return seen if seen.size > 1 else places
+
+
 def mm_axes(figure: Figure, left: float, top: float, width: float, height: float) -> Axes:
     """Axes of a size in mm, ``top`` measured down from the upper edge of the figure."""
     across, down = figure.get_size_inches() / MM
-    return figure.add_axes((left / across, 1.0 - (top + height) / down, width / across, height / down))
+    axes = figure.add_axes((left / across, 1.0 - (top + height) / down, width / across, height / down))
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(InView("auto", steps=[1, 2, 2.5, 5, 10]))
+    return axes
 
 
 def write_text(figure: Figure, left: float, top: float, text: str, **options: Any) -> None:

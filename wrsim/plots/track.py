@@ -15,7 +15,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from wrsim.plots.marks import note, note_above
-from wrsim.plots.theme import CANT_COLOUR, INK, QUIET, WHEEL_COLOUR, full_width, new_figure, style
+from wrsim.plots.theme import CANT_COLOUR, INK, QUIET, WHEEL_COLOUR, InView, full_width, new_figure, style
 from wrsim.results.channels import SHOWN
 from wrsim.results.table import quantity
 from wrsim.results.units import converted
@@ -177,4 +177,4 @@ def _limits(axes: Axes, least: float) -> None:
         low, high = low - 0.5 * least, high + 0.5 * least
     space = 0.12 * (high - low)
     axes.set_ylim(low - space, high + space)
-    axes.yaxis.set_major_locator(MaxNLocator(4))
+    axes.yaxis.set_major_locator(InView(4))
