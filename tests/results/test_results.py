@@ -429,6 +429,9 @@ def test_no_cell_of_a_table_is_a_formula_to_a_spreadsheet():
     assert header == harmless
     assert row == [f"'{cell}" for cell in formulas]
     assert broken == ["a =1+1"]
+    for cell in formulas:  # alone among numbers
+        _, (_, alone) = csv.reader(io.StringIO(as_csv([["-2.5e-07", "1e+07"], ["-1", cell]]).decode(), newline=""))
+        assert alone == f"'{cell}"
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pipes in folders")
