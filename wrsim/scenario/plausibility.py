@@ -79,10 +79,9 @@ def _curve_doubts(setup: Setup) -> Iterator[str]:
         places = np.clip(plan.start + profile.way(times), 0.0, setup.track.length)
         speeds, curvatures = profile.speed(times), setup.track.curvature(places)
         cants = setup.track.cant(places) * np.sign(curvatures)
-        where = [f", at {place:.5g} m" for place in places]
     elif isinstance(plan, SteadyPlan):
         speeds, curvatures, cants = np.transpose([(p.speed, 1.0 / p.radius, p.cant) for p in plan.points])
-        where = [""] * len(plan.points)
+        places = None
     else:
         return
     curved = np.abs(curvatures) > LEAST_CURVATURE
@@ -94,7 +93,8 @@ def _curve_doubts(setup: Setup) -> Iterator[str]:
     ):
         k = int(np.argmax(values))
         if values[k] > most:
-            curve = f"R {abs(1.0 / curvatures[k]):.4g} m, {3.6 * speeds[k]:.4g} km/h{where[k]}"
+            where = "" if places is None else f", at {places[k]:.5g} m"
+            curve = f"R {abs(1.0 / curvatures[k]):.4g} m, {3.6 * speeds[k]:.4g} km/h{where}"
             yield f"track: {1e3 * values[k]:.4g} mm of {what} ({curve}); {hint}"
 
 

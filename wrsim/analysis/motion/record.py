@@ -8,6 +8,7 @@ files came to, and the versions that shape the numbers. A run goes on only where
 from __future__ import annotations
 
 import hashlib
+import os
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -112,11 +113,12 @@ def _digests(setup: Setup) -> dict[str, Any]:
 def code_digest() -> str:
     """Digest of all sources of wrsim and of their tables."""
     digest = hashlib.sha256()
-    root = Path(wrsim.__file__).parent
-    files = (path for ending in ("py", "toml", "csv") for path in root.rglob(f"*.{ending}"))
-    for source in sorted(path for path in files if root / "models" not in path.parents):
-        digest.update(str(source.relative_to(root)).encode())
-        digest.update(source.read_bytes())
+    root = os.path.dirname(wrsim.__file__)
+    for folder, folders, names in os.walk(root):
+        folders[:] = sorted({*folders} - {"models", "__pycache__"})
+        for name in sorted(name for name in names if name.endswith((".py", ".toml", ".csv"))):
+            digest.update(os.path.join(folder, name).removeprefix(root).encode())
+            digest.update(Path(folder, name).read_bytes())
     return digest.hexdigest()[:32]
 
 
