@@ -56,11 +56,7 @@ def usual_speed(restored: Restored) -> float:
 def track_file(restored: Restored, date: str) -> str:
     """The track file; date: of today, as 2026-11-22."""
     recording = restored.recording
-    track: dict[str, Any] = {
-        "gauge_mm": recording.columns.gauge_mm,
-        "rail": "rails/60E1.toml",
-        "inclination": "1:40",
-    }
+    track: dict[str, Any] = {"gauge_mm": recording.columns.gauge_mm, "rail": "rails/60E1.toml", "inclination": "1:40"}
     if recording.columns.cant_base_mm is not None:
         track["cant_base_mm"] = recording.columns.cant_base_mm
     if recording.columns.pivot != PIVOTS[0]:

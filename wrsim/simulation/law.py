@@ -234,11 +234,6 @@ class VehicleOnTrack(Layout):
         return float(self._units["s"][0])
 
     @property
-    def drive_force(self) -> float:
-        """Force that holds the speed at the last evaluation, of all vehicles, positive forward [N]."""
-        return float(self._units["force"].sum())
-
-    @property
     def driven(self) -> bool:
         """Whether any axle is driven or braked."""
         return self.drive == "wheels" or bool(self.vehicle.efforts)
