@@ -68,7 +68,7 @@ class HalfSpace(HalfSpaceSettings):
         grid, pressure = normal.grid, normal.pressure
         forward = 1.0 if grid.bodies.pose.velocity.x >= 0.0 else -1.0
         rigid = grid.rigid_slip(LEAST_SPEED, forward * AHEAD * grid.dx)
-        damping = _damping(grid, model.settings.damping)
+        damping = _damping(grid, model.settings.damping, pressure.p)
         traction, temperature, converged = None, None, True
         contact = footprint.depth <= DEEPEST
         law = model.friction_here
@@ -130,14 +130,18 @@ def _compliance(model: ContactModel) -> Compliance:
     return Compliance.of(model.settings.wheel, model.settings.rail, layer.flexibility if layer else 0.0)
 
 
-def _damping(grid: Grid, damping: float) -> Array:
-    """Factor of the pressures of every row (rows, 1): 1 + c times the rate of approach there, never negative. The spin
-    moves a surface of revolution in itself, so it brings nothing nearer, unless the wheel is out of round."""
+def _damping(grid: Grid, damping: float, p: Array) -> Array:
+    """Factor of the pressures p of every row (rows, 1): 1 + c times the rate of approach there, never negative. The
+    spin moves a surface of revolution in itself, so it brings nothing nearer, unless the wheel is out of round: then
+    it counts where the row's pressures have their centre, for both edges of a flat may carry."""
     origin, axle, velocity, omega = (np.array(vector) for vector in grid.bodies.pose)
-    turning = omega
+    turning, x = omega, grid.axis["x"]
     if not len(grid.bodies.wheel.shape.depth):
         turning = omega - (omega @ axle) * axle
-    arm = np.column_stack([grid.axis["x"], grid.centre]) - origin
+    else:
+        weight = p.sum(axis=1)
+        x = np.where(weight > 0.0, p @ grid.x / np.where(weight > 0.0, weight, 1.0), x)
+    arm = np.column_stack([x, grid.centre]) - origin
     motion = velocity + np.cross(turning, arm)
     if grid.bodies.rail.roller > 0.0:
         motion -= grid.bodies.roller_velocity(arm.T).T

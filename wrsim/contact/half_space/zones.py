@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.half_space.surface import Axis, Bodies
+from wrsim.contact.half_space.surface import Axis, Bodies, Grid
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import HalfSpaceSettings
 from wrsim.jit import Array
@@ -24,7 +24,12 @@ FINEST, COARSEST = 1e-6, 1e-4  # steps of the first look along the axis [m]
 LOOK = 400  # steps of the first look to either side, beyond what may act on the main point's zone
 TURN = 0.17  # cosine of the largest angle between the normals of one grid (80 degrees)
 DEEPEST_GAP = 5e-3  # at which an axis is given up [m]
+MOST_LINES, COLUMN = 24, 2.5e-4  # of the look along the rail: lines of a zone, distance of places on them [m]
 FADING = 0.8  # exponent
+
+
+Box = tuple[float, float, float, float]
+"""From and to along s, from and to along x [m]."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +115,8 @@ def _look(
     joined = np.flatnonzero(group == group[[lo <= main <= hi for lo, hi in spans].index(True)])
     fading = np.clip((settings.apart - apart[np.ix_(joined, joined)]) / (settings.apart - settings.together), 0.0, 1.0)
     inner, sizes = zip(*(_likely(rows, pen, *spans[n], step) for n in joined), strict=True)
+    if len(axis.bodies.wheel.shape.depth):
+        inner = tuple(_with_all_along(axis, rows, *spans[n], box) for n, box in zip(joined, inner, strict=True))
     ends = [sorted((float(arc[spans[n][0]]), float(arc[spans[n][1]]))) for n in joined]
     start, end = spans[joined[0]][0], spans[joined[-1]][1]
     less = max((hi for _lo, hi in overlaps if hi < start), default=-inf)
@@ -136,6 +143,21 @@ def _rows_about(
         main *= 2
 
 
+def _with_all_along(axis: Axis, rows: NDArray[np.void], lo: int, hi: int, box: Box) -> Box:
+    """The box of a zone, as long as the overlap of a wheel out of round is: it may overlap at several places along the
+    rail. From the lowest point of a round wheel they are as far away as a drop of x^2 / 2R makes good for range of the
+    depth and penetration."""
+    wheel = axis.bodies.wheel
+    lines = rows[lo : hi + 1 : (hi - lo) // MOST_LINES + 1].copy()
+    drop = float(wheel.shape.depth[:, 0].max()) - wheel.shape.least - float(lines["gap"].min())
+    reach = 2.0 * sqrt(2.0 * wheel.radius * drop)  # both places are within half of it
+    x = np.arange(float(lines["x"].min()) - reach, float(lines["x"].max()) + reach, COLUMN)
+    along = x[(Grid(axis.bodies, lines, x, COLUMN, 0.0, 0).pen > 0.0).any(axis=0)]
+    if not along.size:
+        return box
+    return *box[:2], min(box[2], float(along[0]) - COLUMN), max(box[3], float(along[-1]) + COLUMN)
+
+
 def _overlaps(rows: NDArray[np.void], pen: Array, main: int) -> tuple[list[tuple[int, int]], int, int]:
     """Stretches (from, to) of overlapping rows, and the rows as far as which the axis is of use on either side of the
     main point's."""
@@ -155,7 +177,7 @@ def _apart(start: Array, end: Array) -> Array:
     return np.maximum(np.maximum(start[:, None] - end, start - end[:, None]), 0.0)
 
 
-def _box(rows: NDArray[np.void], pen: Array, lo: int, hi: int, step: float) -> tuple[float, float, float, float]:
+def _box(rows: NDArray[np.void], pen: Array, lo: int, hi: int, step: float) -> Box:
     """Extent along s and along x of the whole overlap of rows lo .. hi [m]."""
     half = np.sqrt(2.0 * rows["r_t"][lo : hi + 1] * pen[lo : hi + 1])
     x = rows["x"][lo : hi + 1]
@@ -170,9 +192,7 @@ def _box(rows: NDArray[np.void], pen: Array, lo: int, hi: int, step: float) -> t
     return crossing(lo, -1), crossing(hi, 1), float((x - half).min()), float((x + half).max())
 
 
-def _likely(
-    rows: NDArray[np.void], pen: Array, lo: int, hi: int, step: float
-) -> tuple[tuple[float, float, float, float], tuple[float, float]]:
+def _likely(rows: NDArray[np.void], pen: Array, lo: int, hi: int, step: float) -> tuple[Box, tuple[float, float]]:
     """What is looked at of rows lo .. hi, and the size of their likely contact, see `Footprint`. Every lobe counts from
     its own level on."""
     rows, h = rows[lo : hi + 1], pen[lo : hi + 1]
