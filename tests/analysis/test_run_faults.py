@@ -25,12 +25,13 @@ from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.resolve import resolve_contacts
 from wrsim.contact import records
 from wrsim.contact.records import (
+    STATUS_LEFT_OUT,
     STATUS_LOAD_UNSOLVED,
     STATUS_NOT_CONVERGED,
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
 )
-from wrsim.contact.status import NOT_CONVERGED, WORDS
+from wrsim.contact.status import NOT_CONVERGED, SUBSTITUTED, WORDS
 from wrsim.contact.workspace import KernelArrays
 from wrsim.scenario.build import Setup, build
 from wrsim.simulation.bodies import Solid
@@ -432,6 +433,25 @@ def test_what_a_contact_has_to_say_is_said(name: str, monkeypatch: pytest.Monkey
     report(monkeypatch, status)
     said = ANALYSES[name]()
     assert [words for bit, words in WORDS.items() if bit & status and words not in said] == [], said
+
+
+FLAT = {"kind": "flat", "wheel": "left", "shape": "fresh", "length_mm": 40, "edge_mm": 12, "at_deg": 5.0}
+
+
+def test_a_run_tells_that_a_flat_rests_on_both_edges_between_two_looks() -> None:
+    """Over 5 mrad, which take 0.14 ms; the looks are 5 ms apart."""
+    result = run(scenario("flat.toml", run__time_s=0.008, vehicle__out_of_round=[FLAT]))
+    assert WORDS[STATUS_LEFT_OUT] in events(result)
+    assert WORDS[STATUS_LEFT_OUT] not in events(run(scenario("flat.toml", run__time_s=0.004)))
+
+
+def test_a_pose_on_both_edges_of_a_flat_is_left_to_the_half_space_solver() -> None:
+    static = {"side": "left", "lateral_mm": 0.0, "yaw_mrad": 0.0, "wheel_angle_deg": [4.9, 5.0, 7.0]}
+    keys = {f"static.{key}": value for key, value in static.items()} | {"contact.normal": "strips"}
+    result = run(load(SCENARIOS / "static_s1002.toml").with_values(keys | {"vehicle.out_of_round": [FLAT]}))
+    assert not any(result.dataset["pose_message"].values)
+    assert [WORDS[SUBSTITUTED] in text for text in result.dataset["contact_remark"].values] == [True, True, False]
+    assert np.allclose(result.dataset["Q"].values, 60e3, rtol=1e-3)
 
 
 @pytest.mark.parametrize("name", ANALYSES)

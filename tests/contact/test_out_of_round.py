@@ -9,7 +9,9 @@ from support.rows import data_rows, rows_of
 from support.scripts import script
 
 from wrsim import ContactSettings, Flat, Harmonic, InputError, RadiusTable, contact_model
+from wrsim.contact.left_out import share_left_out
 from wrsim.contact.profiles.sections import circle, cone
+from wrsim.contact.records import STATUS_LEFT_OUT
 from wrsim.contact.search.locus import LARGEST_SINE, locus_node, locus_point
 from wrsim.contact.surfaces.out_of_round import shape_tables
 from wrsim.contact.surfaces.profile_table import profile_point
@@ -157,6 +159,77 @@ def test_the_search_finds_what_the_exact_gap_shows():
         deepest = exact.arrays.found["depth"].max()
         assert_allclose(contact.patches["approach"].max(), deepest, rtol=2e-3)
         assert contact.status == 0
+
+
+# Both edges of a flat on the rail
+
+HOLLOW = Flat.rounded(R, 0.04, 2.0 * 0.04**2 / (2.0 * np.pi**2 * R))
+FRESH = Flat.fresh(R, 0.04, None, 0.012)
+PARTS = {
+    "polygon": Harmonic(18, 5e-5),
+    "rolled flat": Flat.rounded(R, 0.09, 5e-4),
+    "fresh flat": FRESH,
+    "hollow flat": HOLLOW,
+    "sharp flat": Flat.fresh(R, 0.03, None, 0.002),
+}
+
+
+@pytest.mark.parametrize("part", [FRESH, HOLLOW], ids=["fresh", "hollow"])
+@pytest.mark.parametrize("damping", [0.0, 1e-3])
+def test_a_flat_on_both_edges_rests_on_both_after_the_least_turn(part, damping):
+    """A turn by beta brings an edge down by at most beta length/2: of N ~ approach^3/2 not more than 3/2 of that share.
+    The approach at the edges closes by beta' length/2, down on the one and up on the other edge."""
+    settings = ContactSettings(normal="half-space", tangential="none", damping=damping)
+    exact = contact_model(WHEEL, RAIL, R, settings, out_of_round=[part])
+    beta, height = 2e-4, lowest(exact, 0.0) - 8e-5
+    level, turned = (touched(exact, height=height, wheel_angle=angle) for angle in (0.0, beta))
+    assert level.status == turned.status == 0
+    assert_allclose(turned.normal_force, level.normal_force, rtol=1.5 * beta * 0.5 * part.length / 8e-5)
+
+
+def seeded(seed, part, count=40):
+    """Poses (height, lateral, yaw, angle) of a wheel under 20 to 150 kN by strips."""
+    rng, strips = np.random.default_rng(seed), model(part, normal="strips")
+    for _ in range(count):
+        lateral, yaw, load = rng.uniform(-4e-3, 1e-3), rng.uniform(-4e-3, 4e-3), rng.uniform(2e4, 1.5e5)
+        angle = rng.uniform(0.0, 6.0) if isinstance(part, Harmonic) else 0.02 * rng.uniform(-1.0, 1.0) ** 3
+        start = [[0.0, lateral, 0.461, -np.sin(yaw), np.cos(yaw), *np.zeros(7)]]
+        pose = strips.solve_many(start, load, threads=1, wheel_angle=angle).poses[0]
+        yield {"height": pose[2], "lateral": lateral, "yaw": yaw, "wheel_angle": angle}
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_place_that_strips_leave_out_is_told_and_no_other(name):
+    """Against the normal force of the exact solver at the same pose; Kik-Piotrowski's alone is 5 to 20 % above it."""
+    part = PARTS[name]
+    strips, kik, exact = (model(part, normal=normal) for normal in ("strips", "kik-piotrowski", "half-space"))
+    told, missing = [], []
+    for pose in seeded(5, part):
+        whole, contact = touched(exact, **pose), touched(strips, **pose)
+        told.append(bool(contact.status & STATUS_LEFT_OUT))
+        missing.append(1.0 - contact.normal_force / whole.normal_force)
+        assert whole.status == 0
+        if not 0.01 < missing[-1] < 0.08:
+            assert told[-1] == (missing[-1] > 0.05)
+        if missing[-1] > 0.15:
+            assert touched(kik, **pose).status & STATUS_LEFT_OUT
+    assert any(told) == (name in ("fresh flat", "hollow flat", "sharp flat")) and not all(told)
+
+
+def test_the_share_left_out_is_that_of_the_other_edge():
+    """Between the edges of a hollow flat is no contact: forces of the exact solver's two patches. The estimate has the
+    curvature of the first edge, and the exact solver's second edge presses the first one down, too."""
+    strips, exact, shares = model(HOLLOW, normal="strips"), model(HOLLOW, normal="half-space"), []
+    for pose in seeded(7, HOLLOW):
+        forces = np.sort(touched(exact, **pose).patches["N"])[::-1]
+        contact = touched(strips, **pose)
+        a = strips.arrays.rows
+        share = share_left_out(place_bodies(a)[0], a.model[0], a.patches, a.strips, contact.patches.size)
+        if forces.size > 1 and forces[1] > 0.05 * forces[0]:
+            shares.append(share / (forces[1] / forces[0]))
+    assert len(shares) > 10
+    assert_allclose(np.percentile(shares, [10.0, 50.0, 80.0]), 1.0, atol=0.35)
+    assert_allclose(np.median(shares), 1.0, atol=0.15)
 
 
 def test_a_table_is_the_surface_that_it_was_made_of():

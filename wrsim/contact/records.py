@@ -189,6 +189,7 @@ STATUS_NOT_REFINED = 1  # a main point was not found to round-off
 STATUS_PROFILE_END = 2  # contact reaches the end of a profile
 STATUS_TOO_DEEP = 4  # an overlap, not a contact
 STATUS_NOT_CONVERGED = 8  # the strip model was not solved, a substitute is used
+STATUS_LEFT_OUT = 8192  # a further place of contact along the rail is left out
 STATUS_COARSE = 4096  # the strip model's budget was spent: half as many strips, or a larger residual
 STATUS_NO_CONTACT, STATUS_OUT_OF_REACH, STATUS_DISCONTINUOUS, STATUS_LOAD_UNSOLVED = 16, 32, 512, 2048
 """At a prescribed load: no contact at any height; it is not met within the approach allowed; the force jumps over it;

@@ -15,11 +15,13 @@ from wrsim.contact.creep.creep_forces import creep_forces
 from wrsim.contact.creep.friction import set_law
 from wrsim.contact.creep.laws import NO_CREEP_FORCES
 from wrsim.contact.kik_piotrowski import bound_lobe, build_strips, press_lobes
+from wrsim.contact.left_out import share_left_out
 from wrsim.contact.records import (
     CONTACT,
     CREEP_FORCES,
     FREE_STRIPS,
     KIK_PIOTROWSKI,
+    STATUS_LEFT_OUT,
     STATUS_NOT_CONVERGED,
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
@@ -45,6 +47,7 @@ from wrsim.jit import Array, Ints, Record, Records, inlined, kernel, stages
 from wrsim.jit.linalg import Vec
 
 TURNS = 2  # of creep forces and pressures that act on each other: each leaves a hundredth of the last change
+LEAST_LEFT_OUT = 0.05  # of the normal force that strips leave out, beyond which a status says so
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
 
 
@@ -145,6 +148,8 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
         a.memo[0].traction_pass = turn + 1
         pressed = stages.run(model.normal, buffer, index)
     status |= pressed
+    if a.depth.shape[0] > 0 and share_left_out(wheel, model, lobes, a.strips, count) > LEAST_LEFT_OUT:
+        status |= STATUS_LEFT_OUT
     _sum_up(a, pose, buffer, index)
     in_track_axes(a)
     a.total[0].status = status

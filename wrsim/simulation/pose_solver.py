@@ -25,7 +25,7 @@ from wrsim.contact.model import ContactModel
 from wrsim.contact.models import exact_model, fast_model
 from wrsim.contact.pose import Pose
 from wrsim.contact.prescribed_load import SEARCHING, approach_of, begin_search, meet_load, next_height
-from wrsim.contact.records import STATUS_DISCONTINUOUS, STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
+from wrsim.contact.records import STATUS_DISCONTINUOUS, STATUS_LEFT_OUT, STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
 from wrsim.contact.status import REMARKS, SUBSTITUTED, TOO_MANY, UNMET, UNSOLVED, status_words
 from wrsim.jit.frames import Frame
 from wrsim.jit.linalg import Vec
@@ -107,7 +107,8 @@ class PoseSolver:
     def solve(self, pose: Pose) -> Solved:
         """Height (and roll, with two wheels) for the pose's load. The models of ``holders`` then hold the contact."""
         solved, self.holders = self.search(pose), self.wheels
-        if not (solved.unsolved and self.wheels[0].model.normal.solves_for_strips):
+        leaves_out = not solved.message and self._status() & STATUS_LEFT_OUT
+        if not ((solved.unsolved or leaves_out) and self.wheels[0].model.normal.solves_for_strips):
             return solved
         if self.exact is None:
             wheels = [replace(w, model=exact_model(w.model)) for w in self.wheels]

@@ -175,8 +175,9 @@ class Monitor:
             ending = ending or self._look_at(i, wheel, t, distance)
             status, substitutes = wheel.status, wheel.model.arrays.substitutes
             too_deep |= status & STATUS_TOO_DEEP
-            flags = status & ~STATUS_TOO_DEEP
-            if substitutes > watch.substitutes:  # also between two looks
+            # also between two looks
+            flags, watch.status = (status | int(watch.status)) & ~STATUS_TOO_DEEP, 0
+            if substitutes > watch.substitutes:
                 watch.substitutes = substitutes
                 flags |= STATUS_NOT_CONVERGED
             for bit in bits_of(flags):

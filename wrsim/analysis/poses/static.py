@@ -20,7 +20,7 @@ from wrsim.contact.patches import RawContacts
 from wrsim.contact.pose import Pose
 from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import DRY, TURNED, AnyFriction, ContactSettings
-from wrsim.contact.status import UNMET, UNSOLVED
+from wrsim.contact.status import LEFT_TO_EXACT, UNMET
 from wrsim.errors import InputError, SimulationError
 from wrsim.jit import Array
 from wrsim.results import CHANNELS, Result, assemble
@@ -315,10 +315,10 @@ def _map_poses(solver: PoseSolver, axes: dict[str, Array], height: float) -> Arr
 
 
 def _solve_map(solver: PoseSolver, axes: dict[str, Array], poses: Array, threads: int | None) -> Contacts:
-    """Contacts of all poses in one batch; those that it leaves unsolved are solved as single poses."""
+    """Contacts of all poses in one batch; those that it leaves to the exact solver are solved as single poses."""
     keys = np.array(list(product(*(values.tolist() for values in axes.values()))))
     contacts = solver.wheels[0].model.solve_many(poses, keys[:, -1], threads=threads)
-    for i in np.flatnonzero(contacts.status & UNSOLVED).tolist():
+    for i in np.flatnonzero(contacts.status & LEFT_TO_EXACT).tolist():
         shift, yaw, roll, load = keys[i].tolist()
         solver.solve(Pose(lateral=shift, yaw=yaw, roll=roll, load=load))
         if solver.holders is not solver.wheels:

@@ -112,7 +112,7 @@ def _node_depth(shape: Shape, j: int, s: float, i: int) -> float:
 
 
 @inlined
-def _round_angle(wheel: PlacedWheel, slope: float) -> float:
+def round_angle(wheel: PlacedWheel, slope: float) -> float:
     """Theta at which a round wheel of this slope drho/du is touched."""
     return asin(min(max(slope * wheel.axle.x / wheel.q, -LARGEST_SINE), LARGEST_SINE))
 
@@ -156,7 +156,7 @@ def touch(wheel: PlacedWheel, u: float, w: float, slope: float) -> Touch:
     j = min(int(x), last - 1)
     x -= j
     one, other = columns[j, SHIFT], columns[j + 1, SHIFT]
-    at_round = _round_angle(wheel, slope)
+    at_round = round_angle(wheel, slope)
     if abs(one - other) < APART * 2.0 * pi / wheel.shape.rows:
         return _settle(wheel, u, rho, slope, at_round + one + x * (other - one))
     before, behind = _settle(wheel, u, rho, slope, at_round + one), _settle(wheel, u, rho, slope, at_round + other)
@@ -174,7 +174,7 @@ def find_branches(wheel: PlacedWheel) -> None:
         branch = shape.branches[c]
         slope = -min(max(branch[SLOPE], -STEEPEST), STEEPEST)
         u, rho = branch[U], wheel.radius - branch[W]
-        at_round = _round_angle(wheel, slope)
+        at_round = round_angle(wheel, slope)
         j, s = 0, 0.0
         if shape.depth.shape[0] > n:
             j, s = _column(shape, u)
@@ -246,7 +246,7 @@ def second_form(at: ProfilePoint, on: Touch) -> SecondForm:
 
 
 @inlined
-def _gap(wheel: PlacedWheel, at: ProfilePoint, on: Touch, x: float) -> float:
+def gap_along(wheel: PlacedWheel, at: ProfilePoint, on: Touch, x: float) -> float:
     """How far the point at x along t from where the wheel is touched is above its surface, radially [m]."""
     along = x * wheel.axle.x
     out, ahead = on.p * on.cosine, on.p * on.sine + x * wheel.q
@@ -263,7 +263,7 @@ def _gap(wheel: PlacedWheel, at: ProfilePoint, on: Touch, x: float) -> float:
 def mean_curvature(wheel: PlacedWheel, at: ProfilePoint, on: Touch, size: float) -> tuple[float, float]:
     """Curvature along t over the length of contact (oor-mean) [1/m], and how far ahead the middle of that lies [m]."""
     a = wheel.shape.averaged
-    ahead, behind = _gap(wheel, at, on, a) / size, _gap(wheel, at, on, -a) / size
+    ahead, behind = gap_along(wheel, at, on, a) / size, gap_along(wheel, at, on, -a) / size
     k = max((ahead + behind) / (a * a), LEAST / (on.p * size))
     return k, min(max((behind - ahead) / (2.0 * a * k), -a), a)
 
@@ -275,7 +275,7 @@ def contact_length(wheel: PlacedWheel, at: ProfilePoint, depth: float) -> float:
     wanted = 2.0 * depth * sqrt(1.0 + on.turn * on.turn + on.p_u * on.p_u)
     low, at_low, a = 0.0, wanted, SHORTEST
     while True:
-        left = wanted - _gap(wheel, at, on, a) - _gap(wheel, at, on, -a)
+        left = wanted - gap_along(wheel, at, on, a) - gap_along(wheel, at, on, -a)
         if left <= 0.0 or a >= LONGEST:
             break
         low, at_low, a = a, left, 1.3 * a
@@ -284,7 +284,7 @@ def contact_length(wheel: PlacedWheel, at: ProfilePoint, depth: float) -> float:
     bracket = Bracket(low, at_low, a, left, 0)
     for _ in range(40):
         a = crossing(bracket)
-        left = wanted - _gap(wheel, at, on, a) - _gap(wheel, at, on, -a)
+        left = wanted - gap_along(wheel, at, on, a) - gap_along(wheel, at, on, -a)
         if abs(left) < 1e-9 * wanted or bracket.hi - bracket.lo < 1e-9:
             break
         bracket = narrowed(bracket, a, left)

@@ -41,6 +41,7 @@ WATCH = record("""
     bend_step   [s]   step there
     flanged     [int] 1: the wheel has a flange
     substitutes [int] number of substitutes of the strip model so far
+    status      [int] sum of the STATUS bits of the steps since the last look
     sampled     [int] 1: there was a sample
     steps       [int] number of steps
 """)
@@ -97,6 +98,7 @@ def watch_step(
         watch.earlier, watch.last, watch.last_at, watch.last_s = watch.last, force, t, distance
         watch.lateral = total.Fo
         watch.steps += 1
+        watch.status |= total.status
         if not sampled:
             if force > watch.most:
                 watch.most, watch.most_at, watch.most_s = force, t, distance
@@ -148,7 +150,7 @@ def look(
         for j in range(total.lobes):
             pressed = pressed or patches[j].N > 0.0
         climbed = watch.flanged != 0 and pose[1] + watch.u * pose[4] + watch.reach * pose[5] > watch.face
-        solved = total.status == 0 and memo_of(buffer, index, i).substitutes <= watch.substitutes
+        solved = total.status | watch.status == 0 and memo_of(buffer, index, i).substitutes <= watch.substitutes
         if not (solved and pressed) or climbed or pose[2] - watch.level < watch.drop or last_contact[i, 0] < last[0]:
             remarks = WHEELS
     if remarks == 0:
