@@ -64,7 +64,7 @@ class ImplicitStep:
             record[name] = np.inf
         record["bodies"], record["rails"] = bodies, rails
         record["iteration"], record["estimates"] = -1, max_residual is not None
-        self.record, self._iteration, self._counted = record, record["iteration"], -1
+        self.record, self._iteration, self._counted, self._begins = record, record["iteration"], -1, True
         self.rows, self.jacobian = np.zeros((kernel.ROWS, q.size)), np.zeros((q.size, q.size))
         self._sums, self._fit = np.zeros((kernel.ORDER + 1,) * 2), np.zeros((kernel.ORDER + 2, kernel.ORDER))
         self.computed_at = tolerance, self.rows[kernel.COMPUTED_AT]
@@ -80,8 +80,8 @@ class ImplicitStep:
         """Called ahead of every residual; the first one of a step starts from the prediction. Returns whether the
         solver begins this step again, from its own guess: it does not count an iteration then."""
         again = 0 < iteration == self._counted
-        self._counted = iteration
-        if iteration == 0 or again:
+        self._counted, self._begins = iteration, iteration == 0 or again
+        if self._begins:
             kernel.predict(self.record, self.rows, self.q, self.q_t, self.q_tt)
         else:
             self._iteration[0] = iteration
@@ -97,7 +97,7 @@ class ImplicitStep:
 
     def estimate(self, out: Array) -> bool:
         """Fill ``out`` with the predicted forces and return True, where that ends the iteration."""
-        return kernel.estimate(self.record, self.rows, self.jacobian, self.q, out)
+        return not self._begins and kernel.estimate(self.record, self.rows, self.jacobian, self.q, out)
 
     def update(self, forces: Array) -> int:
         """Compare computed forces with the prediction; -1, or the index of a force that is not finite.

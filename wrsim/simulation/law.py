@@ -210,8 +210,10 @@ class VehicleOnTrack(Layout):
 
     @contextmanager
     def preserve_state(self) -> Iterator[None]:
-        before, state, evaluated = [view.copy() for view in self._changing], self._state.copy(), self._evaluated
-        contacts = [wheel.model.arrays.state for wheels in self.wheels for wheel in wheels]
+        rows = [wheel.model.arrays.rows for wheels in self.wheels for wheel in wheels]
+        changing = self._changing + [arrays.matrix[: (n := arrays.memo["unknowns"][0]), :n] for arrays in rows]
+        before, state, evaluated = [view.copy() for view in changing], self._state.copy(), self._evaluated
+        contacts = [arrays.state[0] for arrays in rows]
         tolerances = [contact.tolerance for contact in contacts]
         for contact in contacts:
             contact.tolerance = max(DIFFERENCE_TOLERANCE * contact.tolerance, WARM_TOLERANCE)
@@ -220,7 +222,7 @@ class VehicleOnTrack(Layout):
         finally:
             for contact, tolerance in zip(contacts, tolerances, strict=True):
                 contact.tolerance = tolerance
-            for view, values in zip(self._changing, before, strict=True):
+            for view, values in zip(changing, before, strict=True):
                 view[...] = values
             self._state[:], self._evaluated = state, evaluated
 

@@ -35,8 +35,7 @@ with contextlib.redirect_stdout(io.StringIO()):  # it prints which module it loa
 __all__ = ["COORDINATES", "Array", "ForceLaw", "NotFinite", "BodySystem", "Work"]
 
 SPAN = 1 << 20
-"""Steps of one call of Exudyn's solver; it is stopped after half of them, or earlier."""
-
+"""Most steps of a call of Exudyn's solver; it is stopped earlier."""
 
 NO_FORCES = [0.0] * 6
 
@@ -104,7 +103,7 @@ class BodySystem:
         self._after_step: AfterStep = lambda t: True
         self._clock = (0.0, 1.0, 0)
         """Start [s], step [s], steps that precede Exudyn's time 0."""
-        self._going, self._done, self._last = True, 0, 0
+        self._done, self._last = 0, 0
         with _silence():
             self._container = exudyn.SystemContainer()
             mbs = self._container.AddSystem()
@@ -121,18 +120,15 @@ class BodySystem:
                 nodes.append(mbs.AddNode(node))
                 mass = self._matrix(np.eye(dampers))
                 mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes[-1:], massMatrix=mass))
-            # a user function takes and returns lists: one of six numbers fills the vector of the next object
-            none = self._matrix(np.zeros((6, 6)))
-            mbs.AddObject(
-                items.ObjectGenericODE2(
-                    nodeNumbers=nodes[:1], forceUserFunction=self._callback(BodySystem._force),
-                    jacobianUserFunction=lambda *_: none,
-                )
-            )  # fmt: skip
+            # user functions of forces take and return lists: that of RK44 has six numbers, and fills the vector of the
+            # other object; in implicit steps that is filled ahead of every residual
+            none, self._function = self._matrix(np.zeros((6, 6))), self._callback(BodySystem._force)
+            self._of_rk44 = mbs.AddObject(
+                items.ObjectGenericODE2(nodeNumbers=nodes[:1], jacobianUserFunction=lambda *_: none)
+            )
+            jacobian = self._callback(BodySystem._jacobian)
             self._forced = mbs.AddObject(
-                items.ObjectGenericODE2(
-                    nodeNumbers=nodes, forceVector=self._out, jacobianUserFunction=self._callback(BodySystem._jacobian)
-                )
+                items.ObjectGenericODE2(nodeNumbers=nodes, forceVector=self._out, jacobianUserFunction=jacobian)
             )
             mbs.Assemble()
             mbs.SetPostStepUserFunction(self._callback(BodySystem._post_step))
@@ -175,7 +171,7 @@ class BodySystem:
         half = 0.5 * step
         return start + (2 * before + round(t / half)) * half
 
-    def _force(self, t: float, item: int, q: object, q_t: object) -> list[float]:
+    def _force(self, t: float, *_: object) -> list[float]:
         """Take the generalised forces at the current state; beside them there are none."""
         newton, out = self._newton, self._out
         if newton is None or not newton.estimate(out):
@@ -202,6 +198,7 @@ class BodySystem:
                 self.forces.begin_step(self._clock[1], self.q, self.q_t, self.q_tt, again)
             elif iteration > 1 and self.forces.hold(iteration == 2, *newton.computed_at, self.q, self.q_t, self.q_tt):
                 newton.held()
+            self._force(t)
 
     def _post_step(self, t: float) -> bool:
         start, step, before = self._clock
@@ -210,8 +207,7 @@ class BodySystem:
             self._newton.end_step()
             if self._done:
                 self.forces.end_step(self.q, self.q_t)
-        self._going = self._after_step(start + (before + self._done) * step)
-        return self._going and self._done < self._last
+        return self._after_step(start + (before + self._done) * step) and self._done < self._last
 
     def solve(
         self,
@@ -226,7 +222,7 @@ class BodySystem:
         tolerance: float = 1e-3,
         max_residual: float | None = None,
     ) -> None:
-        """Integrate ``steps`` steps from the state (q, q_t), which is that after ``first`` steps.
+        """Integrate ``steps`` steps, at most ``SPAN``, from the state (q, q_t), which is that after ``first`` steps.
 
         Times are start + k step exactly, k whole (and half, within a step of RK44), and the step is the same number to
         the last bit however a run is divided into calls: RK44 depends on the state alone. Generalised alpha begins
@@ -245,23 +241,22 @@ class BodySystem:
         data, initial = self._mbs.systemData, exudyn.ConfigurationType.Initial
         settings = _settings(step, tolerance, self.sparse)
         kind = exudyn.DynamicSolverType.RK44
-        self._after_step, self._going, self._error = after_step, True, None
+        self._after_step, self._error = after_step, None
         if integrator == "generalised-alpha":
             kind = exudyn.DynamicSolverType.GeneralizedAlpha
             counts = len(self.bodies), self.forces.rails
             self._newton = ImplicitStep(self.q, self.q_t, self.q_tt, *counts, step, tolerance, max_residual)
         with _silence():
             try:
-                while self._going and steps > 0 and self._error is None:
-                    data.SetODE2Coordinates(list(map(float, q)), initial)
-                    data.SetODE2Coordinates_t(list(map(float, q_t)), initial)
-                    self._clock = (start, step, first)
-                    self._done, self._last = 0, min(steps, SPAN // 2)
-                    self._mbs.SolveDynamic(settings, solverType=kind, storeSolver=False, showCausingItems=False)
-                    if self._done == 0:
-                        break
-                    first, steps = first + self._done, steps - self._done
-                    q, q_t = self.q.copy(), self.q_t.copy()
+                data.SetODE2Coordinates(list(map(float, q)), initial)
+                data.SetODE2Coordinates_t(list(map(float, q_t)), initial)
+                self._clock, self._done, self._last = (start, step, first), 0, steps
+                if self._newton:  # its first accelerations are those of these forces
+                    self.q[:], self.q_t[:] = q, q_t
+                    self._force(0.0)
+                function = 0 if self._newton else self._function
+                self._mbs.SetObjectParameter(self._of_rk44, "forceUserFunction", function)
+                self._mbs.SolveDynamic(settings, solverType=kind, storeSolver=False, showCausingItems=False)
             except exudyn.ExudynError as error:
                 if self._error is None:
                     if not isinstance(error, exudyn.SolverError):

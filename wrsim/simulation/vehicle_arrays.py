@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.arrays import TABLES as TABLES_OF_A_WHEEL
+from wrsim.contact.arrays import Arrays
 from wrsim.contact.model import ContactModel
 from wrsim.jit.frames import BODY
 from wrsim.simulation.bodies import bodies_of, inertia_table
@@ -246,8 +247,10 @@ def arrays_of_wheels(wheelset: Wheelset, track: Track, contacts: tuple[ContactMo
 
 
 def read_only(count: int) -> set[int]:
-    """Numbers of the ``count`` arrays that no call changes: tables, which may be large."""
-    of_a_wheel = {wheel_kernel.IN_CONTACT + k for k in TABLES_OF_A_WHEEL} | {wheel_kernel.RAIL}
+    """Numbers of the ``count`` arrays that no call changes: tables, which may be large; and of the matrix of the strip
+    model, of which an inverse in its first rows is of use."""
+    in_contact = {*TABLES_OF_A_WHEEL, Arrays._fields.index("matrix")}
+    of_a_wheel = {wheel_kernel.IN_CONTACT + k for k in in_contact} | {wheel_kernel.RAIL}
     first, each = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
     return {vehicle_forces.CENTRE} | {i for i in range(first, count) if (i - first) % each in of_a_wheel}
 
