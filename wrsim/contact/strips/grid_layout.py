@@ -163,11 +163,11 @@ def _divide(system: System, first: int, most: int) -> int:
 @inlined
 def _next_corner(rows: Records, p: int, end: int) -> int:
     """The corner behind row p of the concave hull of the penetration, on the way to row ``end``."""
-    q, here = p + 1, rows[p].d
-    rise = rows[q].d - here
+    q, steep = p + 1, rows[p + 1].d - rows[p].d
     for r in range(p + 2, end + 1):
-        if (rows[r].d - here) * (q - p) >= rise * (r - p):
-            q, rise = r, rows[r].d - here
+        slope = (rows[r].d - rows[p].d) / (r - p)
+        if slope >= steep:
+            q, steep = r, slope
     return q
 
 
