@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from wrsim.contact.half_space.surface import Axis, Bodies, Grid
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import HalfSpaceSettings
+from wrsim.contact.surfaces.rolled_rail import REACH
 from wrsim.jit import Array
 
 LEVEL = 0.15  # of a lobe's depth: contact beyond it is rare, and found out
@@ -115,7 +116,7 @@ def _look(
     joined = np.flatnonzero(group == group[[lo <= main <= hi for lo, hi in spans].index(True)])
     fading = np.clip((settings.apart - apart[np.ix_(joined, joined)]) / (settings.apart - settings.together), 0.0, 1.0)
     inner, sizes = zip(*(_likely(rows, pen, *spans[n], step) for n in joined), strict=True)
-    if len(axis.bodies.wheel.shape.depth):
+    if len(axis.bodies.wheel.shape.depth) or axis.bodies.surface is not None:
         inner = tuple(_with_all_along(axis, rows, *spans[n], box) for n, box in zip(joined, inner, strict=True))
     ends = [sorted((float(arc[spans[n][0]]), float(arc[spans[n][1]]))) for n in joined]
     start, end = spans[joined[0]][0], spans[joined[-1]][1]
@@ -144,15 +145,20 @@ def _rows_about(
 
 
 def _with_all_along(axis: Axis, rows: NDArray[np.void], lo: int, hi: int, box: Box) -> Box:
-    """The box of a zone, as long as the overlap of a wheel out of round is: it may overlap at several places along the
-    rail. From the lowest point of a round wheel they are as far away as a drop of x^2 / 2R makes good for range of the
-    depth and penetration."""
-    wheel = axis.bodies.wheel
-    lines = rows[lo : hi + 1 : (hi - lo) // MOST_LINES + 1].copy()
-    drop = float(wheel.shape.depth[:, 0].max()) - wheel.shape.least - float(lines["gap"].min())
-    reach = 2.0 * sqrt(2.0 * wheel.radius * drop)  # both places are within half of it
-    x = np.arange(float(lines["x"].min()) - reach, float(lines["x"].max()) + reach, COLUMN)
-    along = x[(Grid(axis.bodies, lines, x, COLUMN, 0.0, 0).pen > 0.0).any(axis=0)]
+    """The box of a zone, as long as the overlap is: wheels out of round and rails that change along the track may
+    overlap at several places. From the lowest point of a round wheel they are as far away as a drop of x^2 / 2R makes
+    good for penetration and range of the depth, or of the rail's heights as far as its effective profile looks."""
+    bodies = axis.bodies
+    wheel, lines = bodies.wheel, rows[lo : hi + 1 : (hi - lo) // MOST_LINES + 1].copy()
+    first, last, drop = float(lines["x"].min()), float(lines["x"].max()), -float(lines["gap"].min())
+    if len(wheel.shape.depth):
+        drop += float(wheel.shape.depth[:, 0].max()) - wheel.shape.least
+    if bodies.surface is not None:
+        near = np.arange(first - REACH, last + REACH, COLUMN * MOST_LINES)
+        drop += float(np.ptp(bodies.sections(near, float(lines["o"].mean()))[0][..., 1].max(axis=1)))
+    reach = min(2.0 * sqrt(2.0 * wheel.radius * drop), REACH)  # both places are within half of it
+    x = np.arange(first - reach, last + reach, COLUMN)
+    along = x[(Grid(bodies, lines, x, COLUMN, 0.0, len(lines) // 2).pen > 0.0).any(axis=0)]
     if not along.size:
         return box
     return *box[:2], min(box[2], float(along[0]) - COLUMN), max(box[3], float(along[-1]) + COLUMN)
