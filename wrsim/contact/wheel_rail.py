@@ -148,8 +148,9 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
         a.memo[0].traction_pass = turn + 1
         pressed = stages.run(model.normal, buffer, index)
     status |= pressed
-    if a.depth.shape[0] > 0 and share_left_out(wheel, model, lobes, a.strips, count) > LEAST_LEFT_OUT:
-        status |= STATUS_LEFT_OUT
+    if a.depth.shape[0] > 0 or a.rates.shape[0] > 0:
+        left_out = share_left_out(wheel, rail, model, lobes, a.strips, count)
+        status |= STATUS_LEFT_OUT if left_out > LEAST_LEFT_OUT else 0
     _sum_up(a, pose, buffer, index)
     in_track_axes(a)
     a.total[0].status = status

@@ -66,6 +66,14 @@ def share_at(stations: Array, rows: int, s: float, guess: int) -> Share:
 
 
 @inlined
+def way_ahead(rail: Rail, u: float, tu: float, tw: float) -> float:
+    """How far ahead of the rail's place a wheel touches a row with this point and tangent, along the track [m]."""
+    tangent = min(max(tw / max(tu, 1e-3), -STEEPEST), STEEPEST)
+    ahead = rail.beside + rail.yaw * (u - rail.o - rail.radius * tangent)
+    return ahead * sqrt(1.0 - rail.sine * rail.sine)
+
+
+@inlined
 def _share(rail: Rail, row: int) -> tuple[Share, float]:
     """Where the wheel touches a row: a yawed one ahead of its axle or behind it; how far out the track's axis has gone
     from that of the rail on this way [m]."""
@@ -73,9 +81,7 @@ def _share(rail: Rail, row: int) -> tuple[Share, float]:
     if rail.yaw == 0.0:
         return rail.share, -rail.sine * rail.beside * cosine
     index = rail.share.low + row
-    tangent = min(max(rail.table[index, 3] / max(rail.table[index, 2], 1e-3), -STEEPEST), STEEPEST)
-    ahead = rail.beside + rail.yaw * (rail.table[index, 0] - rail.o - rail.radius * tangent)
-    way = ahead * cosine
+    way = way_ahead(rail, rail.table[index, 0], rail.table[index, 2], rail.table[index, 3])
     return share_at(rail.stations, rail.rows, rail.place + way, rail.share.at), -rail.sine * way
 
 
