@@ -64,10 +64,8 @@ def panels(
         if share and i + columns < len(draws):
             axes.tick_params(labelbottom=False)
             axes.set_xlabel("")
-    title, note = (
-        theme.wrapped(text, 0.97 * theme.full_width(), size)
-        for text, size in ((theme.caption(title), 8.5), (note, 7.5))
-    )
+    width = 0.97 * theme.full_width()
+    title, note = (theme.wrapped(text, width, size) for text, size in ((theme.caption(title), 8.5), (note, 7.5)))
     if title or note:  # lines of the title that are empty make room for the note
         room = "\n" * (note.count("\n") + (1 if title else 0)) + (" " if note else "")
         figure.suptitle(title + room, x=0.012, ha="left", fontsize=8.5)

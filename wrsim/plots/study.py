@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from wrsim.inputs.section import UNITS
+from wrsim.inputs.section import UNITS, unit_of
 from wrsim.plots.marks import note, panels
 from wrsim.plots.theme import DOTS, GROUP_MARK, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, pressure_map
 from wrsim.results.channels import SHOWN
@@ -223,9 +223,8 @@ def axis_label(dataset: xr.Dataset, name: str) -> str:
     stem, _, last = name.rpartition(".")
     number = f" {last}" if last.isdecimal() else ""  # one of several
     last = stem.rpartition(".")[2] if number else last
-    unit = next((u for u in sorted(UNITS, key=len, reverse=True) if last.endswith(f"_{u}")), "")
-    label = last.removesuffix(f"_{unit}") if unit else last
-    return with_unit(label.replace("_", " ") + number, UNITS[unit] if unit else "")
+    unit = unit_of(last)
+    return with_unit(last.removesuffix(f"_{unit}").replace("_", " ") + number, UNITS.get(unit, ""))
 
 
 def _completed(dataset: xr.Dataset, name: str) -> xr.DataArray:

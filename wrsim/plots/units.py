@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from matplotlib.ticker import AutoLocator, MaxNLocator, NullLocator, ScalarFormatter
+from matplotlib.ticker import MaxNLocator, NullLocator, ScalarFormatter
 
 from wrsim.results.units import CHOICE, Conversion, heading_in, in_text
 
@@ -88,7 +88,7 @@ def _convert(axis: Axis, label: str) -> None:
     if text:
         axis.set_label_text(in_text(label))
     if isinstance(locator, MaxNLocator):
-        bins = "auto" if isinstance(locator, AutoLocator) else getattr(locator, "_nbins", "auto")
+        bins = getattr(locator, "_nbins", "auto")
         bins = max(bins - 1, 1) if isinstance(bins, int) else bins  # numbers in inches have more digits
         axis.set_major_locator(ConvertedLocator(unit, bins))
         axis.set_major_formatter(ConvertedFormatter(unit))

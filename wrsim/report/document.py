@@ -30,10 +30,7 @@ from wrsim.results.wheelsets import wheelsets
 
 LOGOS = {
     ".png": ("png", rb"\x89PNG\r\n\x1a\n"),
-    ".svg": (
-        "svg+xml",
-        rb"(\xef\xbb\xbf)?\s*(?>(<\?[^>]*>|<!--.*?-->|<!DOCTYPE[^>\[]*(\[.*?\]\s*)?>)\s*)*+<svg[\s/>]",
-    ),
+    ".svg": ("svg+xml", rb"(\xef\xbb\xbf)?\s*(?>(<\?[^>]*>|<!--.*?-->|<!DOCTYPE[^>\[]*(\[.*?\]\s*)?>)\s*)*+<svg[\s/>]"),
     ".jpg": ("jpeg", rb"\xff\xd8\xff"),
     ".jpeg": ("jpeg", rb"\xff\xd8\xff"),
     ".webp": ("webp", rb"RIFF....WEBP"),

@@ -14,10 +14,7 @@ from wrsim.vehicle.dynamics import derivative, sampling, vehicle_forces, wheel_f
 
 LARGE: tuple[tuple[Any, Any], ...] = (
     (wheel_forces.one_wheel, ARGUMENTS),
-    (
-        vehicle_forces.vehicle_forces,
-        "(float64, float64[::1], float64[::1], float64[::1], float64[::1], int64[:, ::1])",
-    ),
+    (vehicle_forces.vehicle_forces, "(float64, float64[::1], float64[::1], float64[::1], float64[::1], int64[:, ::1])"),
     (
         derivative.add_differences,
         "(float64, int64, boolean, int64[:, ::1], int64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[::1], "
