@@ -235,9 +235,8 @@ released = _declared(nogil=True)
 parallel = _declared(plain=True, parallel=True)
 """A kernel that Python or a stage calls, whose ``prange`` loops run on the threads of `use_threads`."""
 
-SPINS = "10000"
-"""Turns, of some 20 ns, in which a thread waits awake for work: what comes between the contacts of two evaluations. One
-that sleeps comes 26 us later."""
+SPINS = "1000"
+"""Turns, of some 20 ns, in which a thread waits awake for work: about as long as it takes to wake one that sleeps."""
 
 
 def cores() -> int:
