@@ -33,7 +33,7 @@ an axle [rad]; forces are linear in it or nearly so."""
 SMALL_SLIP = 1e-7
 """The same of the unknowns of sliders [m]: their forces saturate within a part of a millimetre."""
 
-DIFFERENCE_TOLERANCE = 0.1
+DIFFERENCE_TOLERANCE = 0.03
 """To which part of their tolerance contacts are solved for differences."""
 
 Forces = Callable[[float, Array, Array, Array], object]

@@ -40,9 +40,9 @@ SEGMENT = 200
 TOLERANCE = 1e-4
 """Norm of the residual forces at which Newton's method ends, as a part of the weight."""
 
-CONTACT_TOLERANCE = 0.1 * TOLERANCE
+CONTACT_TOLERANCE = 0.3 * TOLERANCE
 """To which contacts solve their own equations in implicit steps, over the deepest penetration: its power 3/2 is in the
-force, so that less than a sixth of what Newton's method leaves is theirs."""
+force, so that less than half of what Newton's method leaves is theirs."""
 
 LOOSE = 10.0
 """Factor on this in a step that is not solved otherwise, and in a part of a step, times the number of parts: where the
