@@ -503,6 +503,26 @@ def test_outputs_are_those_of_the_place_however_far_the_vehicle_has_gone_between
         assert far.outputs[name] == pytest.approx(value, rel=1e-9, abs=1e-9)
 
 
+def test_outputs_know_the_place_after_many_turns_of_a_circle() -> None:
+    """32 of them: the outer rail is 150 m longer than the centre line by then."""
+    circle = load(ROOT / "scenarios/curve_r300.toml").with_values(
+        {
+            "contact.normal": "kik-piotrowski",
+            "vehicle.speed_kmh": 36.0,
+            "track.segments": [straight(20.0), arc(20_300.0, 100.0, 0.0)],
+        }
+    )
+    seen = {}
+    for start in (50.0, 20_250.0):
+        bench = stepper(circle.with_values({"run.start_distance_m": start, "run.distance_m": 20.0}))
+        bench.step(1000)
+        seen[start] = {name: value.copy() for name, value in bench.outputs.items()}
+        distance = next(name for name in seen[start] if name.endswith(".distance_m"))
+        assert seen[start].pop(distance) == pytest.approx(start + 10.0, abs=0.1)
+    for name, value in seen[50.0].items():
+        assert seen[20_250.0][name] == pytest.approx(value, rel=1e-4, abs=1e-5), name
+
+
 def test_what_cannot_be_taken_step_by_step_is_refused() -> None:
     with pytest.raises(InputError, match=r"must be above 0 and at most 0\.005 s"):
         stepper(COACH, step=0.1)

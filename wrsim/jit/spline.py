@@ -41,10 +41,10 @@ def _with_slope_in_row(row: Array, v: float) -> tuple[float, float]:
     return sum(columns[q] * row[j + q] for q in range(4)), sum(leaning[q] * row[j + q] for q in range(4))
 
 
-def _weights(position: float, powers: Any, z: float = -1.0) -> tuple[int, list[float]]:
-    """The first coefficient that counts at a place, and the weights of four; z: where in its step the place lies."""
+def _weights(position: float, powers: Any) -> tuple[int, list[float]]:
+    """The first coefficient that counts at a place, and the weights of four."""
     i = int(position)
-    z = position - i if z < 0.0 else z
+    z = position - i
     return i, [a + z * (b + z * (c + z * d)) for a, b, c, d in powers]
 
 
@@ -89,7 +89,7 @@ class Sum:
         self.builder, self.data, self.width = builder, array.data, builder.extract_value(array.shape, kind.ndim - 1)
 
     def weights(self, position: Any, powers: Any, z: Any) -> tuple[Any, Any]:
-        """As `_weights`, four side by side."""
+        """As `_weights`, four side by side; z: where in its step the place lies."""
         i = self.builder.fptosi(position, WORD)
         z = spread(self.builder, z)
         *others, values = (FOUR(list(column)) for column in zip(*powers, strict=True))

@@ -8,10 +8,11 @@ from wrsim.jit.frames import CurveNodes
 from wrsim.jit.linalg import Vec, dot
 from wrsim.track.path_kernel import NODE, frame_at, locate
 from wrsim.vehicle.dynamics.kinematics import X, Y, Z, kinematics, pose_in_track
+from wrsim.vehicle.dynamics.loads import UNIT
 from wrsim.vehicle.dynamics.rigid_body import PITCH, pitched
 from wrsim.vehicle.dynamics.stepper import Q_T, Q_TT, SEEN, STATE, VEHICLE_ARRAYS, WHEELS, Q
-from wrsim.vehicle.dynamics.vehicle_forces import CENTRE, FIRST_WHEEL, PART, PARTS, VEHICLE, WHOLE
-from wrsim.vehicle.dynamics.wheel_forces import OFF_TRACK, wheel_record, wheel_total
+from wrsim.vehicle.dynamics.vehicle_forces import CENTRE, FIRST_WHEEL, PART, PARTS, UNITS, VEHICLE, WHOLE
+from wrsim.vehicle.dynamics.wheel_forces import OFF_TRACK, wheel_total
 
 BODY_SEEN = record("""
     distance       [m]     distance of the centre of mass along the centre line (a guess, updated)
@@ -41,9 +42,11 @@ def observe(buffer: Array, index: Ints) -> int:
     parts, seen = records(buffer, arrays, PARTS, PART), records(buffer, index, SEEN, BODY_SEEN)
     centre = CurveNodes(records(buffer, arrays, CENTRE, NODE), records(buffer, arrays, WHOLE, VEHICLE)[0].step)
     wheels = records(buffer, index, WHEELS, WHEEL_SEEN)
-    way = 0.0  # since the last call, of the first wheel, which is placed at every evaluation
-    if wheels.shape[0] > 0:
-        way = wheel_record(buffer, arrays[FIRST_WHEEL:], 0).s - seen[0].distance
+    units, way = records(buffer, arrays, UNITS, UNIT), 0.0
+    for k in range(units.shape[0]):
+        if units[k].body < seen.shape[0]:  # since the last call: a reference body is placed at every evaluation
+            way = units[k].s - seen[units[k].body].distance
+            break
     for i in range(seen.shape[0]):
         q, q_t, q_tt = rows[Q, 6 * i : 6 * i + 6], rows[Q_T, 6 * i : 6 * i + 6], rows[Q_TT, 6 * i : 6 * i + 6]
         body, row = kinematics(q, q_t), seen[i]
