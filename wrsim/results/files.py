@@ -38,7 +38,7 @@ _REASONS |= dict.fromkeys((errno.ENOTDIR, errno.EEXIST), "a part of this path is
 LARGE = 16_000_000
 """Bytes of samples and of channels that are in memory at most; more are in a file."""
 _ROWS = 1000  # rows of a table that are in memory as text at once
-_NO_NUMBER = re.compile(r"-(?!\d+(\.\d+)?(e[+-]\d+)?[,\n])").search  # a minus that begins none
+_NEGATIVE = re.compile(r"-\d+(\.\d+)?(e[+-]\d+)?").fullmatch
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
@@ -142,12 +142,11 @@ def csv_parts(rows: Iterable[Sequence[str]]) -> Iterator[bytes]:
     """The same, some rows at a time."""
     rest = iter(rows)
     while some := list(islice(rest, _ROWS)):
-        text = "\n".join((*map(",".join, some), ""))
-        cut = text.count("\n") == len(some) and text.count(",") == sum(map(len, some)) - len(some)
-        plain = text.count("+") == text.count("e+") and not any(sign in text for sign in '="\r@')
-        if not (cut and plain) or "\n\n" in f"\n{text}" or _NO_NUMBER(text):
+        cells = [[c if c[:1] in "0123456789" or _NEGATIVE(c) else safe_cell(c) for c in row] for row in some]
+        text = "\n".join(map(",".join, cells)) + "\n"
+        commas = sum(map(len, cells)) - len(cells)
+        if '"' in text or "\r" in text or text.count(",") > commas or text.count("\n") > len(cells) or [""] in cells:
             stream = io.StringIO(newline="")
-            cells = ([safe_cell(c) for c in row] for row in some)
             csv.writer(stream, lineterminator="\n").writerows(cells)  # quotes what needs it, in four times the time
             text = stream.getvalue().replace("\r", " ")  # many readers begin a row after it
         yield text.encode()
