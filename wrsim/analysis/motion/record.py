@@ -115,7 +115,8 @@ def code_digest() -> str:
     digest = hashlib.sha256()
     root = os.path.dirname(wrsim.__file__)
     for folder, folders, names in os.walk(root):
-        folders[:] = sorted({*folders} - {"models", "__pycache__"})
+        skipped = {"__pycache__", "models"} if folder == root else {"__pycache__"}
+        folders[:] = sorted({*folders} - skipped)
         for name in sorted(name for name in names if name.endswith((".py", ".toml", ".csv"))):
             digest.update(os.path.join(folder, name).removeprefix(root).encode())
             digest.update(Path(folder, name).read_bytes())
