@@ -87,6 +87,10 @@ class ImplicitStep:
             self._iteration[0] = iteration
         return again
 
+    def held(self) -> None:
+        """The law has changed this iteration: it says nothing about a new Jacobian."""
+        self.record["new"] = 0
+
     def set_jacobian(self, derivative: Array, by_q: float) -> None:
         """Take a new derivative of the forces with respect to by_q q."""
         kernel.set_jacobian(self.record, self.jacobian, derivative, by_q)

@@ -197,7 +197,7 @@ class BodySystem:
             if iteration == 0 or again:
                 self.forces.begin_step(self._clock[1], self.q, self.q_t, self.q_tt, again)
             elif iteration > 1 and self.forces.hold(iteration == 2, *newton.computed_at, self.q, self.q_t, self.q_tt):
-                newton.record["new"] = 0  # this iteration says nothing about a new Jacobian
+                newton.held()
             self._force(t)
 
     def _post_step(self, t: float) -> bool:

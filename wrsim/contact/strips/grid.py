@@ -263,7 +263,7 @@ def place_grid_strips(wheel: PlacedWheel, rail: Rail, grid: Record, rows: Record
         if j == n - 1:
             lo, lo_start, lo_end = grid.end, 0.0, 1.0
         place.hi, place.hi_start, place.hi_end = lo, lo_start, lo_end
-    # in a loop of its own: a processor takes several strips at a time
+    # apart from the boundaries: a processor takes several strips at a time
     for j in range(n):
         place = places[j]
         s = place.s = 0.5 * (place.lo + place.hi)
