@@ -1,4 +1,6 @@
-"""Processor time of every step of a test bench. Run: python benchmarks/bench_deadline.py [--json] [--distance 300]
+"""Processor time of every step of a test bench.
+
+    python benchmarks/bench_deadline.py [--json] [--distance 300] [--passes 2] [--budget 3]
 
 Manchester vehicle 1 at 60 km/h, as `wrsim.stepper` moves it on, 1 ms and two iterations a step: straight track, on it
 a dip of the right rail as wheels see it at a crossing (3 mm deep, from wing to nose within 0.6 m), then a curve of
@@ -6,6 +8,9 @@ a dip of the right rail as wheels see it at a crossing (3 mm deep, from wing to 
 above 1 ms. Beside them what is left of the balance, and how far the bodies are from those of a usual run of the same
 track [mm rms, over all bodies, across the track and up]. Processor time of one evaluation of the forces tells how fast
 the machine is at that moment.
+
+The same steps are taken in several passes, which come to the same states: of each step the least time counts. Figures
+of the first pass stand beside them: what is slow there alone is the host's.
 
 The same in counts, which do not depend on the machine: residuals of the strip model a step (``strips.newton``), mean,
 quantiles, the most; steps and contacts that the budget was too small for, those that it left unsolved; page faults
@@ -17,7 +22,7 @@ import json
 import resource
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import blas_threads  # noqa: F401 (before numpy)
 import numpy as np
@@ -28,6 +33,7 @@ from wrsim.analysis.contacts import force_law
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
 from wrsim.simulation.integrate import Integration
+from wrsim.simulation.stepper import Stepper
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.dynamics import stepper as kernel
 
@@ -67,32 +73,57 @@ def scenario_of(model: str, distance: float) -> Scenario:
     return load(ROOT / "scenarios/manchester_r300.toml").with_values(keys)
 
 
-def figures(scenario: Scenario, iterations: int, budget: float) -> dict[str, float]:
+class Pass(NamedTuple):
+    """What a test bench does from start to end."""
+
+    bench: Stepper
+    times: np.ndarray  # of every step [ns]
+    work: np.ndarray  # residuals of every step
+    states: np.ndarray  # every EVERY steps, the first one at the start
+    faults: int  # of pages, after WARM steps
+    problem: str | None  # why memory is not locked
+
+
+def steps_of(scenario: Scenario, iterations: int, budget: float) -> Pass:
+    """Times of all steps of a scenario, garbage collector off and memory locked."""
+    bench = stepper(scenario, STEP, iterations, budget)
+    record = bench.memory.views[kernel.STEP_RECORD][0]
+    samples = int(build(scenario).plan.duration / STEP / EVERY)
+    times, work = np.zeros(samples * EVERY, dtype=np.int64), np.zeros(samples * EVERY)
+    states, before = np.zeros((samples + 1, bench.law.size)), 0
+    states[:] = bench.q
+    with bench.deadline() as problem:
+        for k in range(samples):
+            for j in range(k * EVERY, (k + 1) * EVERY):
+                began = time.thread_time_ns()
+                bench.step()
+                times[j] = time.thread_time_ns() - began
+                work[j] = record.work
+            states[k + 1] = bench.q
+            before = page_faults() if k == WARM // EVERY else before
+        faults = page_faults() - before
+    return Pass(bench, times, work, states, faults, problem)
+
+
+def figures(scenario: Scenario, iterations: int, budget: float, passes: int) -> dict[str, float]:
     """Times of the steps [us], counts, and differences from a usual run [mm]."""
-    own = stepper(scenario, STEP, iterations, budget)
-    law, q, q_t = own.law, own.q.copy(), own.q_t.copy()
+    bench = stepper(scenario, STEP, iterations, budget)
+    law, q, q_t = bench.law, bench.q.copy(), bench.q_t.copy()
     scratch = np.zeros(law.size)
     evaluation = call_time(lambda: law(0.0, q, q_t, scratch), 200)
-    own.step()  # what is compiled is compiled
-    own = stepper(scenario, STEP, iterations, budget)
-    record = own.memory.views[kernel.STEP_RECORD][0]
-    samples = int(build(scenario).plan.duration / STEP / EVERY)
-    states, times = np.zeros((samples + 1, law.size)), np.zeros(samples * EVERY, dtype=np.int64)
-    states[:], work, faults = q, np.zeros(len(times)), 0
-    with own.deadline() as problem:
-        for k in range(samples):
-            for j in range(EVERY):
-                began = time.thread_time_ns()
-                own.step()
-                times[k * EVERY + j] = time.thread_time_ns() - began
-                work[k * EVERY + j] = record.work
-            states[k + 1] = own.q
-            faults = page_faults() if k == WARM // EVERY else faults
-        faults = page_faults() - faults
-    print(f"memory is not locked: {problem}" if problem else "memory is locked")
+    bench.step()  # what is compiled is compiled
+    first = steps_of(scenario, iterations, budget)
+    bench, work, states = first.bench, first.work, first.states
+    print(f"memory is not locked: {first.problem}" if first.problem else "memory is locked")
+    times = first.times.copy()
+    for _ in range(passes - 1):
+        again = steps_of(scenario, iterations, budget)
+        if not np.array_equal(again.states, states):
+            raise SystemExit("passes come to different states")
+        np.minimum(times, again.times, out=times)
     usual = force_law(build(scenario))
     motion = Integration(
-        BodySystem(usual.bodies, usual), duration=samples * EVERY * STEP, step=2 * STEP, weight=usual.vehicle.weight,
+        BodySystem(usual.bodies, usual), duration=len(times) * STEP, step=2 * STEP, weight=usual.vehicle.weight,
         sample_interval=EVERY * STEP,
     ).run(q, q_t)  # fmt: skip
     n = 6 * len(law.bodies)
@@ -109,15 +140,17 @@ def figures(scenario: Scenario, iterations: int, budget: float) -> dict[str, flo
         "q9999_us": np.quantile(us, 0.9999),
         "most_us": us.max(),
         "above_1_ms": float((times > 1e9 * DEADLINE).mean()),
+        "most_us_of_one_pass": 1e-3 * first.times.max(),
+        "above_1_ms_in_one_pass": float((first.times > 1e9 * DEADLINE).mean()),
         "residuals_mean": work.mean(),
         "residuals_q99": np.quantile(work, 0.99),
         "residuals_q9999": np.quantile(work, 0.9999),
         "residuals_most": work.max(),
-        "coarse_steps": own.coarse.steps / len(times),
-        "coarse_contacts": own.coarse.contacts / (len(times) * iterations * 2 * len(law.wheels)),
-        "unsolved_contacts": own.coarse.unsolved / (len(times) * iterations * 2 * len(law.wheels)),
-        "page_faults": faults,
-        "residual_most": own.residual[1],
+        "coarse_steps": bench.coarse.steps / len(times),
+        "coarse_contacts": bench.coarse.contacts / (len(times) * iterations * 2 * len(law.wheels)),
+        "unsolved_contacts": bench.coarse.unsolved / (len(times) * iterations * 2 * len(law.wheels)),
+        "page_faults": first.faults,
+        "residual_most": bench.residual[1],
         "across_mm": 1e3 * float(np.sqrt((across**2).mean())),
         "up_mm": 1e3 * float(np.sqrt((off[:, :, 0] ** 2).mean())),
     }
@@ -130,17 +163,18 @@ def main() -> None:
     parser.add_argument("--models", nargs="*", choices=MODELS, default=list(MODELS))
     parser.add_argument("--distance", type=float, default=300.0, help="of the run [m]; an hour is 60000")
     parser.add_argument("--iterations", nargs="*", type=int, default=[2])
+    parser.add_argument("--passes", type=int, default=2, help="through the same steps, of which the least times count")
     parser.add_argument("--budget", type=float, default=BUDGET, help="residuals a wheel and evaluation; inf: any")
     chosen = parser.parse_args()
-    found: dict[str, dict[int, dict[str, float]]] = {}
+    results: dict[str, dict[int, dict[str, float]]] = {}
     for model in chosen.models:
         scenario = scenario_of(model, chosen.distance)
-        found[model] = {}
+        results[model] = {}
         for iterations in chosen.iterations:
-            own = found[model][iterations] = figures(scenario, iterations, chosen.budget)
-            words = ", ".join(f"{name} {value:.3g}" for name, value in own.items())
-            print(f"{model}, {iterations}: {words}", flush=True)
-    print(json.dumps({"deadline": found}) if chosen.json else "")
+            result = results[model][iterations] = figures(scenario, iterations, chosen.budget, chosen.passes)
+            line = ", ".join(f"{name} {value:.3g}" for name, value in result.items())
+            print(f"{model}, {iterations}: {line}", flush=True)
+    print(json.dumps({"deadline": results}) if chosen.json else "")
 
 
 if __name__ == "__main__":
