@@ -6,8 +6,9 @@ from support.contacts import RADIUS, bench, pair_model
 
 from wrsim import InputError
 from wrsim.contact.batch import LOAD_TOLERANCE, search_for
+from wrsim.contact.patches import RawContacts, patch_channels
 from wrsim.contact.prescribed_load import REACHED, SEARCHING, begin_search, next_height
-from wrsim.contact.records import STATUS_DISCONTINUOUS, STATUS_NO_CONTACT, STATUS_OUT_OF_REACH
+from wrsim.contact.records import LOBE, STATUS_DISCONTINUOUS, STATUS_NO_CONTACT, STATUS_OUT_OF_REACH, TOTAL
 from wrsim.jit.compiling import cores
 
 PAIR = "S1002/60E1 1:40"
@@ -40,6 +41,38 @@ def test_many_contacts_are_those_of_one_by_one_to_the_bit(normal):
         assert np.array_equal(many.moment[i], one.moment)
         assert np.array_equal(many.raw.patches[i, 0, : len(one.patches)], one.patches)
         assert np.nansum(many.N[i]) == pytest.approx(one.normal_force, rel=1e-14)
+
+
+@pytest.mark.parametrize("lobes", [1, 2])
+def test_patches_are_the_sums_of_their_lobes_whatever_stands_in_the_rooms_of_others(lobes):
+    """By one lobe after the other: forces add up, extremes are those of all, the main lobe is the deepest."""
+    generator = np.random.default_rng(lobes)
+    raw = RawContacts(np.zeros((40, 2, 4), LOBE), np.zeros((40, 2), TOTAL))
+    for name in LOBE.names:
+        raw.patches[name] = generator.uniform(0.1, 1.0, raw.patches.shape)
+    raw.patches["group"][:, :, 1:] = np.cumsum(generator.integers(0, 2, (40, 2, 3)), axis=-1)  # as kernels count
+    raw.patches["group"][:, :, 0] = 0
+    raw.totals["lobes"] = generator.integers(0, lobes + 1, raw.totals.shape)
+    channels = patch_channels(raw)
+    assert {values.shape for values in channels.values()} == {raw.patches.shape}
+    counts = raw.totals["lobes"]
+    for place in np.ndindex(counts.shape):
+        rows = raw.patches[place][: counts[place]]
+        patches = sorted((rows[rows["group"] == g] for g in set(rows["group"])), key=lambda p: -p["N"].sum())
+        for j in range(4):
+            values = {name: channels[name][place][j] for name in channels}
+            if j >= len(patches):
+                assert np.isnan(list(values.values())).all()
+                continue
+            patch, main = patches[j], patches[j][patches[j]["approach"].argmax()]
+            assert values["N"] == patch["N"].sum()
+            assert (values["p0"], values["contact_angle_min"]) == (patch["p0"].max(), patch["angle_min"].min())
+            place_of = patch["arc_rail"]
+            assert values["width"] == (place_of + patch["end"]).max() - (place_of + patch["start"]).min()
+            assert (values["xi"], values["x_contact"]) == (main["xi"], main["x"])
+            levers = patch["x"] - main["x"], place_of - main["arc_rail"]
+            moment = (patch["Mz"] + levers[0] * patch["Fy"] - levers[1] * patch["Fx"]).sum()
+            assert values["spin_moment"] == pytest.approx(moment, rel=1e-14)
 
 
 @pytest.mark.parametrize("normal", MODELS)

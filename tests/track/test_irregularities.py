@@ -203,6 +203,8 @@ def test_slope_and_curvature_of_a_shape_are_its_derivatives(shape) -> None:
     assert (high[0] - low[0]) / (2.0 * e) == pytest.approx(slope, abs=1e-8)
     assert (high[1] - low[1]) / (2.0 * e) == pytest.approx(bend, abs=1e-7)
     assert np.abs(value).max() > 4e-3
+    for order in range(3):
+        assert np.array_equal(shape.jet(s, order)[: order + 1], (value, slope, bend)[: order + 1])
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wrsim.contact import records as k
 from wrsim.contact.contact_angle import contact_angles
 from wrsim.contact.model import ContactModel
-from wrsim.contact.patches import RawContacts, of_main, of_patches, patches_of
+from wrsim.contact.patches import RawContacts, main_lobes, of_patches, patches_of, where_present
 from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.search.locus import outline
 from wrsim.jit import Array, Records
@@ -52,14 +52,15 @@ def contact_channels(
     widening: designed gauge beyond the nominal one, (S,) or one [m]; uneven: irregularities under the wheels, to the
     left and up, (S, W, 2) or none [m].
     """
-    p = patches_of(raw)
-    channels = of_patches(raw, p)
+    used = raw.used()
+    p = patches_of(used)
+    main = main_lobes(used, p)
+    channels = of_patches(used, p, main)
     if wheels[0].model.settings.temperature is None:
         del channels["temperature"]
     # main points on the profiles and in the track frame
     left, up = np.moveaxis(np.broadcast_to(uneven, (*raw.patches.shape[:2], 2)), -1, 0)
     half_widening = 0.5 * np.broadcast_to(widening, raw.patches.shape[:1])
-    main = {name: of_main(raw, p, name) for name in ("arc_wheel", "arc_rail", "o", "b")}
     for name, body in (("u_wheel", "wheel"), ("u_rail", "rail")):
         channels[name] = main[f"arc_{body}"].copy()
         for i, wheel in enumerate(wheels):
@@ -79,7 +80,8 @@ def contact_channels(
         "T_gamma": t["wear"],
         "n_patches": t["patches"].astype(float),
     }
-    return from_totals | {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
+    count = raw.patches.shape[2]
+    return from_totals | {name: where_present(p, values, count) for name, values in channels.items()}
 
 
 @dataclass(frozen=True)

@@ -25,4 +25,5 @@ def contact_angles(no: NDArray[np.float64], nb: NDArray[np.float64]) -> NDArray[
 
 def mean_contact_angle(angle: NDArray[np.float64], force: NDArray[np.float64]) -> NDArray[np.float64]:
     """Angle [rad] of the sum of normal forces that act at these angles, along the last axis."""
-    return np.asarray(np.arctan2((force * np.sin(angle)).sum(axis=-1), (force * np.cos(angle)).sum(axis=-1)))
+    across, up = ((force * share).sum(axis=-1, initial=0.0) for share in (np.sin(angle), np.cos(angle)))
+    return np.asarray(np.arctan2(across, up))

@@ -5,8 +5,9 @@ are joined here: forces and areas add up, extremes are taken over all, the main 
 Patches are put in the order of their normal force, largest first; absent ones become not-a-number.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -48,6 +49,10 @@ class RawContacts:
     def first(self, samples: int) -> "RawContacts":
         return RawContacts(self.patches[:samples], self.totals[:samples])
 
+    def used(self) -> "RawContacts":
+        """Without the rooms for lobes that are empty in all samples: most wheels have one or two."""
+        return RawContacts(self.patches[:, :, : max(1, int(self.totals["lobes"].max(initial=0)))], self.totals)
+
 
 class PatchesOf(NamedTuple):
     """Which lobes make which patch: member (S, W, patch, lobe), main lobe (S, W, patch), present (S, W, patch)."""
@@ -72,8 +77,23 @@ def patches_of(raw: RawContacts) -> PatchesOf:
 
 def patch_channels(raw: RawContacts) -> dict[str, Array]:
     """Channels (sample, wheel, patch) that need no more than the kernel's results; not-a-number without a patch."""
-    p = patches_of(raw)
-    return {name: np.where(p.present, values, np.nan) for name, values in of_patches(raw, p).items()}
+    used = raw.used()
+    p = patches_of(used)
+    channels = of_patches(used, p, main_lobes(used, p))
+    return {name: where_present(p, values, raw.patches.shape[2]) for name, values in channels.items()}
+
+
+def where_present(p: PatchesOf, values: Array, count: int) -> Array:
+    """Values of patches (S, W, patch), and not-a-number where there is none, for so many patches."""
+    out = np.full((*values.shape[:2], count), np.nan)
+    np.copyto(out[:, :, : values.shape[2]], values, where=p.present)
+    return out
+
+
+def _joined(p: PatchesOf, values: Array, join: Callable[[Array, Array], Array] = np.add, none: float = 0.0) -> Array:
+    """Values of lobes (S, W, lobe), joined to those of their patches (S, W, patch); none: of those of other patches."""
+    of_patch = (np.where(p.member[..., i], values[:, :, i, None], none) for i in range(values.shape[2]))
+    return reduce(join, of_patch, np.full((), none))
 
 
 def _over(raw: RawContacts, p: PatchesOf, name: str) -> Array:
@@ -81,33 +101,32 @@ def _over(raw: RawContacts, p: PatchesOf, name: str) -> Array:
     return np.broadcast_to(raw.patches[name][..., None, :], p.member.shape)
 
 
-def of_main(raw: RawContacts, p: PatchesOf, name: str) -> Array:
-    """Values of the main lobe of every patch."""
-    return np.take_along_axis(_over(raw, p, name), p.main[..., None], axis=-1)[..., 0]
+def main_lobes(raw: RawContacts, p: PatchesOf) -> Records:
+    """Records of the main lobe of every patch (S, W, patch)."""
+    return np.take_along_axis(raw.patches, p.main, axis=2)
 
 
-def of_patches(raw: RawContacts, p: PatchesOf) -> dict[str, Array]:
-    """Channels (sample, wheel, patch) of patches, and any number where there is none."""
-    over, main = partial(_over, raw, p), partial(of_main, raw, p)
-    channels = {name: np.where(p.member, over(c), 0.0).sum(axis=-1) for name, c in _SUMS.items()}
-    channels |= {name: np.where(p.member, over(c), -np.inf).max(axis=-1) for name, c in _LARGEST.items()}
-    channels |= {name: main(c) for name, c in _OF_MAIN.items()}
-    channels["contact_angle_min"] = np.where(p.member, over("angle_min"), np.inf).min(axis=-1)
+def of_patches(raw: RawContacts, p: PatchesOf, main: Records) -> dict[str, Array]:
+    """Channels (sample, wheel, patch) of patches, of which main lobes are given, and any number where there is none."""
+    over, lobes = partial(_over, raw, p), raw.patches
+    channels = {name: _joined(p, lobes[c]) for name, c in _SUMS.items()}
+    channels |= {name: _joined(p, lobes[c], np.maximum, -np.inf) for name, c in _LARGEST.items()}
+    channels |= {name: main[c] for name, c in _OF_MAIN.items()}
+    channels["contact_angle_min"] = _joined(p, lobes["angle_min"], np.minimum, np.inf)
     channels["contact_angle_mean"] = mean_contact_angle(over("angle_mean"), np.where(p.member, over("N"), 0.0))
-    place = over("arc_rail")
-    ends = np.where(p.member, place + over("end"), -np.inf).max(axis=-1)
-    starts = np.where(p.member, place + over("start"), np.inf).min(axis=-1)
+    place = lobes["arc_rail"]
+    ends = _joined(p, place + lobes["end"], np.maximum, -np.inf)
+    starts = _joined(p, place + lobes["start"], np.minimum, np.inf)
     channels["width"] = np.where(p.present, ends, 0.0) - np.where(p.present, starts, 0.0)
     # moments of the lobes about their own main points, brought to the patch's one
-    lever_s = place - main("arc_rail")[..., None]
-    lever_x = over("x") - main("x")[..., None]
+    lever_s = over("arc_rail") - main["arc_rail"][..., None]
+    lever_x = over("x") - main["x"][..., None]
     moments = over("Mz") + lever_x * over("Fy") - lever_s * over("Fx")
-    channels["spin_moment"] = np.where(p.member, moments, 0.0).sum(axis=-1)
+    channels["spin_moment"] = np.where(p.member, moments, 0.0).sum(axis=-1, initial=0.0)  # never -0
     return channels
 
 
 def patch_wear_numbers(raw: RawContacts) -> Array:
     """T-gamma of every patch [N], (sample, wheel, patch); not-a-number where there is none."""
-    p = patches_of(raw)
-    wear = np.where(p.member, raw.patches["wear"][..., None, :], 0.0).sum(axis=-1)
-    return np.where(p.present, wear, np.nan)
+    p = patches_of(used := raw.used())
+    return where_present(p, _joined(p, used.patches["wear"]), raw.patches.shape[2])

@@ -2,8 +2,8 @@
 
 Four channels as of track recording cars, ``WEIGHTS``: both rails to the left (alignment), both up (level), right rail
 above left (cross-level), rails apart (gauge). A disturbance is one shape over the distance, times a weight on each
-rail's lateral (n) and vertical (b) offset. A shape has ``jet`` (value, slope and second derivative, so that the rail's
-tangent and curvature follow exactly), ``breaks`` (distances at which its slope or curvature may jump) and
+rail's lateral (n) and vertical (b) offset. A shape has ``jet`` (value and derivatives up to an order, so that the
+rail's tangent and curvature follow exactly), ``breaks`` (distances at which its slope or curvature may jump) and
 ``resolution`` (largest distance of a path's rows that follows it) [m].
 """
 
@@ -56,13 +56,13 @@ class RailIrregularity:
     vertical_parts: tuple[tuple[float, Shape], ...] = ()
     fade: tuple[float, float] | None = None
 
-    def lateral(self, s: ArrayLike) -> Jet:
-        """Offset to the left [m] at s and its first two derivatives."""
-        return self._faded(_sum(self.lateral_parts, s), s)
+    def lateral(self, s: ArrayLike, order: int = 2) -> Jet:
+        """Offset to the left [m] at s and its first two derivatives; those beyond the order may be left at 0."""
+        return self._faded(_sum(self.lateral_parts, s, order), s)
 
-    def vertical(self, s: ArrayLike) -> Jet:
-        """Offset upward [m] at s and its first two derivatives."""
-        return self._faded(_sum(self.vertical_parts, s), s)
+    def vertical(self, s: ArrayLike, order: int = 2) -> Jet:
+        """Offset upward [m] at s and its first two derivatives; those beyond the order may be left at 0."""
+        return self._faded(_sum(self.vertical_parts, s, order), s)
 
     def _faded(self, jet: Jet, s: ArrayLike) -> Jet:
         if self.fade is None:
@@ -99,10 +99,13 @@ class RailIrregularity:
 SMOOTH = RailIrregularity()  # A rail exactly in its place
 
 
-def _sum(parts: Sequence[tuple[float, Shape]], s: ArrayLike) -> Jet:
+def _sum(parts: Sequence[tuple[float, Shape]], s: ArrayLike, order: int) -> Jet:
     s = np.asarray(s, dtype=np.float64)
-    value, slope, bend = sum((weight * np.stack(shape.jet(s)) for weight, shape in parts), np.zeros((3, *s.shape)))
-    return value, slope, bend
+    jet = np.zeros((3, *s.shape))
+    for weight, shape in parts:
+        for i, values in enumerate(shape.jet(s, order)):
+            jet[i] += weight * values
+    return jet[0], jet[1], jet[2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,10 +126,9 @@ class Sampled:
         spline = scipy.interpolate.CubicSpline(distance, values * window, bc_type="clamped")
         return cls(spline, shortest / ROWS_A_WAVE)
 
-    def jet(self, s: Array) -> Jet:
+    def jet(self, s: Array, order: int = 2) -> tuple[Array, ...]:
         inside = (s >= self.spline.x[0]) & (s <= self.spline.x[-1])
-        value, slope, bend = (np.where(inside, self.spline(s, nu), 0.0) for nu in range(3))
-        return value, slope, bend
+        return tuple(np.where(inside, self.spline(s, nu), 0.0) for nu in range(order + 1))
 
     def breaks(self) -> Array:
         return np.array([self.spline.x[0], self.spline.x[-1]])
@@ -145,14 +147,14 @@ class Bump:
         """Fine, for its curvature begins with a jump [m]."""
         return self.length / 16.0
 
-    def jet(self, s: Array) -> Jet:
+    def jet(self, s: Array, order: int = 2) -> tuple[Array, ...]:
         k, half = 2.0 * np.pi / self.length, 0.5 * self.amplitude
         x = s - self.start
         inside = (x >= 0.0) & (x <= self.length)  # a small part of a track, which may have a thousand bumps
         x = x[inside]
         jet = np.zeros((3, *s.shape))
         jet[:, inside] = half * (1.0 - np.cos(k * x)), half * k * np.sin(k * x), half * k * k * np.cos(k * x)
-        return jet[0], jet[1], jet[2]
+        return tuple(jet)
 
     def breaks(self) -> Array:
         return np.array([self.start, self.start + self.length])
@@ -173,7 +175,7 @@ class Polygon:
         rounding = min(rounding, 0.5 * float(np.diff(s)[1:-1].min(initial=np.inf)))
         return cls(Piecewise.through(s, y).rounded(rounding), rounding / 4.0)
 
-    def jet(self, s: Array) -> Jet:
+    def jet(self, s: Array, order: int = 2) -> tuple[Array, ...]:
         return self.law.jet(s)
 
     def breaks(self) -> Array:

@@ -122,33 +122,36 @@ class SweptCurve:
         root = np.sqrt(self.cant_base**2 - c**2)
         return -cant_angle(c, self.cant_base), -dc / root, -(ddc / root + c * dc**2 / root**3)
 
-    def offsets(self, s: ArrayLike) -> tuple[Jet, Jet]:
-        """(d, d', d'') along n and (h, h', h'') along b at s [m, 1, 1/m]."""
+    def offsets(self, s: ArrayLike, order: int = 2) -> tuple[Jet, Jet]:
+        """(d, d', d'') along n and (h, h', h'') along b at s [m, 1, 1/m]; of the irregularity up to the order."""
         w, dw, ddw = self.widening.jet(s)
-        y, dy, ddy = self.irregularity.lateral(s)
-        z, dz, ddz = self.irregularity.vertical(s)
+        y, dy, ddy = self.irregularity.lateral(s, order)
+        z, dz, ddz = self.irregularity.vertical(s, order)
         half = 0.5 * self.side
         d = half * (self.gauge + w) + self.side * self.outward + y
         return (d, half * dw + dy, half * ddw + ddy), (self.height + z, dz, ddz)
 
-    def components(self, s: ArrayLike) -> tuple[Array, Array]:
-        """(A, B, C) of p' and the components of p'' in (t, n, b) at s: two arrays (..., 3)."""
-        kappa, dkappa = self.centre.curvature(s), self.centre.curvature(s, 1)
+    def components(self, s: ArrayLike, order: int = 2) -> tuple[Array, ...]:
+        """(A, B, C) of p' and up to the order 2 the components of p'' in (t, n, b) at s: arrays (..., 3)."""
+        kappa = self.centre.curvature(s)
         theta, dtheta, ddtheta = self.centre.pitch_law.jet(s)
         phi, dphi, ddphi = self.roll(s)
-        (d, dd, ddd), (h, dh, ddh) = self.offsets(s)
+        (d, dd, ddd), (h, dh, ddh) = self.offsets(s, order)
         level, steep = np.cos(theta), np.sin(theta)
         c, sn = np.cos(phi), np.sin(phi)
-        turn, dturn = kappa * level, dkappa * level - kappa * dtheta * steep
+        turn, tau = kappa * level, dphi + kappa * steep
         kn, kb = turn * c + dtheta * sn, dtheta * c - turn * sn
-        tau = dphi + kappa * steep
+        a, b, e = 1.0 - d * kn - h * kb, dd - h * tau, dh + d * tau
+        first = np.stack((a, b, e), axis=-1)
+        if order == 1:
+            return (first,)
+        dkappa = self.centre.curvature(s, 1)
+        dturn = dkappa * level - kappa * dtheta * steep
         dkn = dturn * c + ddtheta * sn + dphi * kb
         dkb = ddtheta * c - dturn * sn - dphi * kn
         dtau = ddphi + dkappa * steep + kappa * dtheta * level
-        a, da = 1.0 - d * kn - h * kb, -(dd * kn + d * dkn + dh * kb + h * dkb)
-        b, db = dd - h * tau, ddd - dh * tau - h * dtau
-        e, de = dh + d * tau, ddh + dd * tau + d * dtau
-        first = np.stack((a, b, e), axis=-1)
+        da = -(dd * kn + d * dkn + dh * kb + h * dkb)
+        db, de = ddd - dh * tau - h * dtau, ddh + dd * tau + d * dtau
         second = np.stack((da - b * kn - e * kb, a * kn + db - e * tau, a * kb + b * tau + de), axis=-1)
         return first, second
 
@@ -210,7 +213,7 @@ class SweptCurve:
 
     def _rate(self, s: ArrayLike) -> Array:
         """d(own arclength)/ds = |p'|."""
-        return np.asarray(np.linalg.norm(self.components(s)[0], axis=-1))
+        return np.asarray(np.linalg.norm(self.components(s, 1)[0], axis=-1))
 
     def _advance(self, a: Array, b: Array) -> Array:
         """Arclength from a to b, both (m,); every pair within one piece."""

@@ -294,13 +294,13 @@ class Track:
 
     def gauge(self, s: ArrayLike) -> Array:
         """Gauge with widening and irregularities [m]."""
-        left, right = (curve.irregularity.lateral(s)[0] for curve in (self.left_curve, self.right_curve))
+        left, right = (curve.irregularity.lateral(s, 0)[0] for curve in (self.left_curve, self.right_curve))
         return np.asarray(self.nominal_gauge + self.left_curve.widening(s) + left - right)
 
     def irregularity(self, side: Literal["left", "right"], s: ArrayLike) -> tuple[Array, Array]:
         """How far a rail lies to the left of and above its designed place [m]."""
         uneven = self._curve(side).irregularity
-        return uneven.lateral(s)[0], uneven.vertical(s)[0]
+        return uneven.lateral(s, 0)[0], uneven.vertical(s, 0)[0]
 
     def widening(self, s: ArrayLike) -> Array:
         """Designed gauge beyond the nominal one [m]."""

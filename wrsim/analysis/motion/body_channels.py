@@ -15,7 +15,6 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.sampled_forces import SampledForces
 from wrsim.simulation.system import COORDINATES, Array
-from wrsim.track import path_kernel as path_kernels
 from wrsim.track.track import Track
 from wrsim.vehicle.axle import AxleModes
 from wrsim.vehicle.dynamics import vehicle_forces
@@ -44,7 +43,7 @@ def body_channels(law: VehicleOnTrack, q: Array, q_t: Array, near: Array) -> dic
         channels["body_yaw"][:, b] = poses.yaw
         channels["body_roll"][:, b] = poses.roll
         forward = body_axes(q[:, coordinates])[:, 0]
-        up = np.array([path_kernels.frame_at(path.curve, s).b for s in poses.distance.tolist()])
+        up = path.frame(poses.distance)[:, 3]
         channels["body_pitch"][:, b] = -np.arcsin(np.clip(_along(forward, up), -1.0, 1.0))
     return channels
 
@@ -204,8 +203,9 @@ def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[st
     return dict(zip(("guide_force_x", "guide_force_y", "guide_moment"), forces, strict=True))
 
 
-def track_channels(track: Track, distance: Array) -> dict[str, Array]:
-    """Curvature, cant, gauge, grade (n,) at distances [m], and irregularities (n, 2) of the rails of uneven track."""
+def track_channels(track: Track, distance: Array, rails: Array) -> dict[str, Array]:
+    """Curvature, cant, gauge, grade (n,) at distances [m], and irregularities (n, 2) of the rails of uneven track, of
+    which ``rails`` holds both."""
     channels = {
         "curvature": track.curvature(distance),
         "cant": track.cant(distance),
@@ -213,7 +213,7 @@ def track_channels(track: Track, distance: Array) -> dict[str, Array]:
         "grade": track.grade(distance),
     }
     if track.is_uneven:
-        left, up = np.moveaxis(uneven(track, distance), -1, 0)
+        left, up = np.moveaxis(rails, -1, 0)
         channels |= {"rail_lateral": left, "rail_vertical": up}
     return channels
 

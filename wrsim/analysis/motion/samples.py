@@ -152,9 +152,10 @@ class Samples:
         of_wheelsets = []
         for w, (raw, pair) in enumerate(zip(known.contacts(n), law.wheels, strict=True)):
             p = TrackPoses(*self._poses[w, :, :n])
+            uneven = states.uneven(track, p.distance)
             channels = {
                 "wheelset_distance": p.distance,
-                **states.track_channels(track, p.distance),
+                **states.track_channels(track, p.distance, uneven),
                 **friction_channels(setup, p.distance),
                 **(dict(zip(RAIL_CHANNELS, np.moveaxis(moved[:, w], -1, 0), strict=True)) if law.rails else {}),
                 "lateral_shift": p.lateral,
@@ -162,9 +163,7 @@ class Samples:
                 "yaw": p.yaw,
                 "roll": p.roll,
                 "spin_rate": p.spin_rate,
-                **contact_channels(
-                    raw, pair, track.widening(p.distance), states.uneven(track, p.distance) + moved[:, w]
-                ),
+                **contact_channels(raw, pair, track.widening(p.distance), uneven + moved[:, w]),
             }
             if self.losses is not None:
                 shear_yield = self.losses.settings.shear_yield
