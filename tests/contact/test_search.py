@@ -11,6 +11,7 @@ from wrsim.contact.profiles.models import load_profile
 from wrsim.contact.profiles.sections import ProfileArc, profile_from_sections, rail_head
 from wrsim.contact.records import ProfileTable
 from wrsim.contact.search.locus import locus_point, outline
+from wrsim.contact.strips.grid import opposite
 from wrsim.contact.surfaces.distance_field import _nearest_cells
 from wrsim.contact.surfaces.profile_table import profile_point
 from wrsim.jit.root import Bracket, crossing, narrowed
@@ -278,3 +279,27 @@ def test_forces_do_not_jump_by_more_than_two_permille_of_the_load(pair, yaw):
     if pair.startswith("S1002") and yaw:
         found = found[(found[:, 0] < EQUAL_RADII[0]) | (found[:, 0] > EQUAL_RADII[1])]
     assert found[:, 1].max() < 2e-3
+
+
+@pytest.mark.parametrize("off", [2e-5, 1e-4])
+@pytest.mark.parametrize("lateral", [0.0, 5.5e-3])
+def test_a_pair_of_points_may_be_a_little_from_opposite(lateral, off):
+    """By an ``off`` of 0.1 mm the penetration is exact to a fiftieth of what the bend of the wheel makes of it, the
+    normal to a fiftieth of the angle."""
+    model = contacts.pair_model("S1002/60E1 1:40", normal="strips", strips=16)
+    origin = np.array([0.0, contacts.HALF_SPACING + lateral - contacts.rail_origin(model.rail)[0], 0.5])
+    for _ in range(8):
+        closest = model.evaluate(origin, axle_of(4e-3, 0.0)).closest
+        origin[2] -= closest if closest > 0.0 else 0.0
+    origin[2] -= 7e-5
+    model.evaluate(origin, axle_of(4e-3, 0.0))
+    system, _ = contacts.strip_system(model)
+    wheel, rail, row = system.wheel, system.rail, system.rows[0, 20]
+    arc, s = float(row.arc_wheel), float(row.s)
+    exact = opposite(wheel, rail, arc, s)
+    for _ in range(20):
+        arc -= exact.ahead * exact.shrink
+        exact = opposite(wheel, rail, arc, s)
+    pair, bend = opposite(wheel, rail, arc + off, s), locus_point(wheel, arc).shrink * abs(locus_point(wheel, arc).k)
+    assert abs(pair.d - exact.d) < 0.02 * 0.5 * bend * off**2 + 1e-13
+    assert np.hypot(pair.no - exact.no, pair.nb - exact.nb) < 0.02 * 0.5 * bend * off + 1e-9

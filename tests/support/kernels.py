@@ -75,9 +75,9 @@ SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 SOURCES = {str(path) for path in sources()}
 FULL_ALONE = {
-    "_activate_grid", "_add_to_middles", "_couple", "_largest_overlap", "_overlap", "_set_active_set", "_shallower",
-    "_smooth_step", "_solve_alone", "_solve_one_by_one", "_solve_within", "_stair_variance", "carry_over",
-    "deactivate_grid", "four_in_contact", "move_edges", "set_middles", "weight_of",
+    "_activate_grid", "_add_to_middles", "_couple", "_largest_overlap", "_overlap", "_set_active_set",
+    "_set_plain_pairs", "_shallower", "_smooth_step", "_solve_alone", "_solve_one_by_one", "_solve_within",
+    "_stair_variance", "carry_over", "deactivate_grid", "four_in_contact", "move_edges", "set_middles", "weight_of",
 }  # fmt: skip
 """What the strip model does where Newton's method fails, where grids come and go, and in runs: slow uncompiled."""
 

@@ -74,11 +74,13 @@ def _differences(table: Array, ends: tuple[Array, ...], places: tuple[Array, ...
     )
 
 
-def _difference_in_row(row: Array, ends: tuple[Array, ...]) -> float:
+def _differences_in_row(table: Array, ends: tuple[Array, ...], places: tuple[Array, ...]) -> tuple[float, ...]:
     lo, v, _, hi, w, _ = ends
-    return sum(
+    row = table[-1]
+    in_row = sum(
         hi[k] * _with_slope_in_row(row, w[k])[0] - lo[k] * _with_slope_in_row(row, v[k])[0] for k in range(lo.size)
     )
+    return (in_row, *_differences(table, ends, places))
 
 
 class Sum:
@@ -86,7 +88,8 @@ class Sum:
 
     def __init__(self, context: Any, builder: Any, kind: Any, table: Any) -> None:
         array = make_array(kind)(context, builder, table)
-        self.builder, self.data, self.width = builder, array.data, builder.extract_value(array.shape, kind.ndim - 1)
+        self.builder, self.data, self.height = builder, array.data, builder.extract_value(array.shape, 0)
+        self.width = builder.extract_value(array.shape, kind.ndim - 1)
 
     def weights(self, position: Any, powers: Any, z: Any) -> tuple[Any, Any]:
         """As `_weights`, four side by side; z: where in its step the place lies."""
@@ -200,43 +203,44 @@ def _sums(context: Any, builder: Any, table: Any, kinds: Any, args: Any, step: A
     return sums.totals(*map(builder.load, kept))
 
 
-@intrinsic
-def _differences_compiled(_context: Any, table: Any, ends: Any, places: Any) -> Any:
-    count = len(places) // 2
-    kind = types.UniTuple(types.float64, count)
+def _differences_code(in_row: bool) -> Any:
+    """Types and code of `_differences`, or of `_differences_in_row`."""
 
-    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        def step(sums: Sum, k: Any, low: Any, high: Any) -> Any:
-            numbers = _numbers_of(context, builder, places, args[2], k)
-            for p in range(count):
-                row, weights = sums.weights(numbers[2 * p], WEIGHTS, numbers[2 * p + 1])
-                yield [sums.times(sums.columns(row, column, weights)[0], shares) for column, shares in (low, high)]
+    def differences(_context: Any, table: Any, ends: Any, places: Any) -> Any:
+        count = len(places) // 2
+        kind = types.UniTuple(types.float64, count + in_row)
 
-        return context.make_tuple(builder, kind, _sums(context, builder, table, ends, args, step, count))
+        def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            def step(sums: Sum, k: Any, low: Any, high: Any) -> Any:
+                if in_row:
+                    last = builder.mul(sums.width, builder.sub(sums.height, WORD(1)))
+                    rows = (builder.add(last, column) for column, _ in (low, high))
+                    yield [
+                        sums.times(load(builder, sums.data, row), shares)
+                        for row, (_, shares) in zip(rows, (low, high), strict=True)
+                    ]
+                numbers = _numbers_of(context, builder, places, args[2], k)
+                for p in range(count):
+                    row, weights = sums.weights(numbers[2 * p], WEIGHTS, numbers[2 * p + 1])
+                    yield [sums.times(sums.columns(row, column, weights)[0], shares) for column, shares in (low, high)]
 
-    return kind(table, ends, places), code
+            return context.make_tuple(builder, kind, _sums(context, builder, table, ends, args, step, count + in_row))
 
+        return kind(table, ends, places), code
 
-@intrinsic
-def _difference_in_row_compiled(_context: Any, row: Any, ends: Any) -> Any:
-    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        def step(sums: Sum, _k: Any, low: Any, high: Any) -> Any:
-            yield [sums.times(load(builder, sums.data, column), shares) for column, shares in (low, high)]
-
-        return _sums(context, builder, row, ends, args, step, 1)[0]
-
-    return types.float64(row, ends), code
+    return differences
 
 
 terms: Any
 terms_in_row: Any
 differences: Any
-difference_in_row: Any
+differences_in_row: Any
 if CONFIG.DISABLE_JIT:
-    terms, terms_in_row, differences, difference_in_row = _terms, _terms_in_row, _differences, _difference_in_row
+    terms, terms_in_row = _terms, _terms_in_row
+    differences, differences_in_row = _differences, _differences_in_row
 else:
     terms, terms_in_row = _terms_compiled, _terms_in_row_compiled
-    differences, difference_in_row = _differences_compiled, _difference_in_row_compiled
+    differences, differences_in_row = (intrinsic(_differences_code(in_row)) for in_row in (False, True))
 """Of a C-contiguous table, in whose rows u to u + 3 and columns v to v + 3 the coefficients lie that count at (u, v)
 steps along rows and columns, or of a row of one.
 
@@ -244,5 +248,6 @@ terms(table, u, u_z, lo, v, v_z, v_rate, hi, w, w_z, w_rate): hi times the value
 of their slopes by u; value and rate times slope at v, and at w. terms_in_row(row, lo, ...): without slopes by u.
 differences(table, ends, places): at each of some places hi times the value at w less lo times that at v, added up over
 all ends, (lo, v, v_z, hi, w, w_z), arrays; places: (u, u_z) of each, one behind the other, arrays; _z: what of a
-position is beyond its last whole number of steps. difference_in_row(row, ends): the same in a row.
+position is beyond its last whole number of steps. differences_in_row: ahead of these the same in the table's last
+row.
 """

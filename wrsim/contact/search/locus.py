@@ -82,20 +82,19 @@ def _cosine(s2: float) -> float:
 @inlined
 def locus_point(wheel: PlacedWheel, arc: float) -> Locus:
     """Point of the locus (search-locus, search-curvature) at profile arclength ``arc``."""
-    origin, e, q = wheel.origin, wheel.axle, wheel.q
+    origin, e = wheel.origin, wheel.axle
     profile = profile_point(wheel.profile, arc)
-    u = profile.u
-    rho = wheel.radius - profile.w
     if wheel.roller > 0.0:
         return _roller_point(wheel, profile)
     if wheel.lean == 0.0:
         if wheel.shape.depth.shape[0] > 0:
             return _out_of_round_point(wheel, profile)
+        rho = wheel.radius - profile.w
         to_axle = rho / max(profile.tu, 1e-3)
         return Locus(
             origin.x,
-            origin.y + u * e.y + rho * e.z,
-            origin.z + u * e.z - rho * e.y,
+            origin.y + profile.u * e.y + rho * e.z,
+            origin.z + profile.u * e.z - rho * e.y,
             profile.tw * e.y + profile.tu * e.z,
             profile.tw * e.z - profile.tu * e.y,
             1.0,
@@ -103,6 +102,13 @@ def locus_point(wheel: PlacedWheel, arc: float) -> Locus:
             to_axle,
             profile.k,
         )
+    return yawed_point(wheel, profile)
+
+
+@inlined
+def yawed_point(wheel: PlacedWheel, profile: ProfilePoint) -> Locus:
+    """The same of a round wheel on a rail."""
+    origin, e, q, u, rho = wheel.origin, wheel.axle, wheel.q, profile.u, wheel.radius - profile.w
     iq = 1.0 / q
     inverse_c = 1.0 / max(profile.tu, 1e-3)
     sin_alpha = e.x * inverse_c

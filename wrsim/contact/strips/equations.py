@@ -108,7 +108,8 @@ def place_strips(system: System, n: int) -> None:
         middles = x[edges + EDGES :]
         grid.start, grid.end = x[edges], x[edges + 1]
         rows = system.rows[g]
-        place_grid_strips(system.wheel, system.rail, grid, rows, places[g * n : (g + 1) * n])
+        strips = places[g * n : (g + 1) * n]
+        place_grid_strips(system.wheel, system.rail, grid, rows, strips, vectors[V.TERMS :])
         for j in range(n):
             i, place = g * n + j, places[g * n + j]
             place.q = place.y = 0.0
@@ -165,9 +166,8 @@ def set_conditions(system: System, n: int, g: int, j: int, points: int) -> None:
     u = displacements(system, n, g, place.s, v[V.MIDDLE, i], r, points, v[V.NO, i], v[V.NB, i])
     place.gap = (u.middle - place.d + 0.5 * place.curvature * place.off * place.off) / memo.deepest
     if points > 1:
-        aft = u.aft if points > 2 else u.fore
-        place.bow = (u.middle - 0.5 * (u.fore + aft) - 0.5 * place.curvature * r * r) / memo.deepest
-        place.tilt = (u.fore - aft + 2.0 * place.curvature * r * place.off) / memo.deepest
+        place.bow = (u.middle - 0.5 * (u.fore + u.aft) - 0.5 * place.curvature * r * r) / memo.deepest
+        place.tilt = (u.fore - u.aft + 2.0 * place.curvature * r * place.off) / memo.deepest
 
 
 @inlined

@@ -6,54 +6,72 @@ as densely as (strip-density) has it.
 """
 
 from math import sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from wrsim.contact.overlap_patch import bisector, first_step
-from wrsim.contact.records import PlacedWheel, Rail
-from wrsim.contact.search.locus import locus_point
+from wrsim.contact.records import PlacedWheel, ProfileTable, Rail
+from wrsim.contact.search.locus import Locus, locus_point, yawed_point
 from wrsim.contact.strips.records import ROWS
-from wrsim.contact.surfaces.profile_table import length
-from wrsim.contact.surfaces.rail import along, parting, rail_and_envelope, rail_length, tilted
-from wrsim.jit import Record, Records, inlined, kernel
+from wrsim.contact.surfaces.profile_table import ProfilePoint, inner_point, length
+from wrsim.contact.surfaces.rail import (
+    Along,
+    Envelope,
+    along,
+    along_rail,
+    changes,
+    parting,
+    rail_and_envelope,
+    rail_length,
+    tilted,
+)
+from wrsim.jit import Array, Record, Records, inlined, kernel, noalias_kernel
 from wrsim.jit.arena import bits_of, number_of
 from wrsim.jit.linalg import Vec
 from wrsim.jit.root import Bracket, crossing, narrowed
 
 MIN_DENSITY = 0.3  # share of even density
+ROUNDS = 8  # at most in which points are brought opposite: each leaves a tenth of the distance or less
 MAX_AHEAD = 0.01  # of the rows' distance: how far ahead a point may be for the shift along the rail to be read there
 _THIRD = (2 * 1023 << 52) // 3  # of the bits of 1.0, what a third of a number's own leaves
 MIN_SINE_SQUARED = 2.5e-3  # square of the sine between axle and normal, held above
 
 
 class Opposite(NamedTuple):
-    """A pair of opposite points of wheel and rail."""
+    """A pair of opposite points of wheel and rail: numbers, or of several pairs arrays (n,)."""
 
-    d: float  # penetration along the mean normal [m]
-    d_s: float  # its slope over s: the tangents lean by the same angle to both sides of the mean one
-    x: float  # middle of the pair along the rail [m]
-    o: float  # outward [m]
-    b: float  # upward [m]
-    no: float  # normal, outward
-    nb: float  # upward
-    shrink: float  # arclength of the wheel's profile over that of its outline
-    r_t: float  # radius with which both part along the rail [m]
-    ahead: float  # distance of the wheel's point ahead of the rail's [m]
-    slope: float  # of the rail along the track
+    d: Any  # penetration along the mean normal [m]
+    d_s: Any  # its slope over s: the tangents lean by the same angle to both sides of the mean one
+    x: Any  # middle of the pair along the rail [m]
+    o: Any  # outward [m]
+    b: Any  # upward [m]
+    no: Any  # normal, outward
+    nb: Any  # upward
+    shrink: Any  # arclength of the wheel's profile over that of its outline
+    r_t: Any  # radius with which both part along the rail [m]
+    ahead: Any  # distance of the wheel's point ahead of the rail's [m]
+    slope: Any  # of the rail along the track
 
 
 @inlined
 def opposite(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float) -> Opposite:
     """The pair at these arclengths; what the wheel's point is ahead along the mean tangent is taken back along its own
-    tangent."""
+    circle of curvature."""
     w = locus_point(wheel, arc_wheel)
     r, envelope = rail_and_envelope(rail, arc_rail)
+    return _pair_of(w, r, along(rail, envelope, r, w.x, w.to_axle))
+
+
+@inlined
+def _pair_of(w: Locus, r: ProfilePoint, frame: Along) -> Opposite:
+    """The pair of two points; frame: what the rail does along the track there."""
     no, nb = bisector(w, r)
     ahead = (w.o - r.u) * nb - (w.b - r.w) * no
-    wo = w.o + ahead * w.nb
-    wb = w.b - ahead * w.no
+    turn = 0.5 * w.shrink * w.k * ahead  # half of what the wheel's normal turns by on the way
+    wo = w.o + ahead * (w.nb - turn * w.no)
+    wb = w.b - ahead * (w.no + turn * w.nb)
+    no, nb = no - turn * w.nb, nb + turn * w.no
     d = -((wo - r.u) * no + (wb - r.w) * nb)
     d_s = 2.0 * (r.tu * no + r.tw * nb)
-    frame = along(rail, envelope, r, w.x, w.to_axle)
     tilt = tilted(frame)
     return Opposite(
         d * tilt, d_s * tilt, w.x + frame.ahead, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + frame.drop, no, nb, w.shrink,
@@ -62,15 +80,48 @@ def opposite(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float) 
 
 
 @inlined
-def _opposite_near(wheel: PlacedWheel, rail: Rail, arc: float, s: float, spacing: float) -> tuple[Opposite, float]:
-    """The pair at s of a wheel's point near ``arc``, and how far before that it lies: where profiles bend sharply the
-    locus may run along the rail ten times as fast as across, and the pair is computed once more."""
-    pair = opposite(wheel, rail, arc, s)
-    before = pair.ahead * pair.shrink
-    if abs(before) > MAX_AHEAD * spacing:
-        pair = opposite(wheel, rail, arc - before, s)
-        before += pair.ahead * pair.shrink
-    return pair, before
+def _set_pair(out: Opposite, j: int, pair: Opposite) -> None:
+    """Write a pair to place j of arrays."""
+    out.d[j], out.d_s[j], out.x[j], out.o[j], out.b[j] = pair.d, pair.d_s, pair.x, pair.o, pair.b
+    out.no[j], out.nb[j], out.shrink[j], out.r_t[j] = pair.no, pair.nb, pair.shrink, pair.r_t
+    out.ahead[j], out.slope[j] = pair.ahead, pair.slope
+
+
+@noalias_kernel
+def _set_plain_pairs(wheel: PlacedWheel, rail: Rail, arcs: Array, places: Array, out: Opposite) -> None:
+    """The pairs at these arclengths of a round wheel that yaws on a rail of one profile, several at a time."""
+    profile = ProfileTable(rail.table, rail.step)
+    for j in range(arcs.size):
+        w, r = yawed_point(wheel, inner_point(wheel.profile, arcs[j])), inner_point(profile, places[j])
+        _set_pair(out, j, _pair_of(w, r, along_rail(rail, Envelope(0.0, 0.0, 0.0), r, w.x, w.to_axle)))
+
+
+@kernel
+def _opposites(wheel: PlacedWheel, rail: Rail, spacing: float, work: Array, n: int) -> Opposite:
+    """Pairs at rising places on the rail, ``work[1]``, of the wheel's points near those in ``work[0]``, which are
+    brought opposite, (n,); what is behind these is scratch. Where profiles bend sharply the locus may run along the
+    rail ten times as fast as across, and pairs are computed once more."""
+    arcs, places = work[0, :n], work[1, :n]
+    out = Opposite(
+        work[2, :n], work[3, :n], work[4, :n], work[5, :n], work[6, :n], work[7, :n], work[8, :n], work[9, :n],
+        work[10, :n], work[11, :n], work[12, :n],
+    )  # fmt: skip
+    plain = wheel.lean != 0.0 and wheel.roller == 0.0 and not changes(rail)
+    plain = plain and places[0] > 0.0 and places[n - 1] < rail_length(rail)
+    for _ in range(ROUNDS):
+        if plain and arcs[0] > 0.0 and arcs[n - 1] < length(wheel.profile):
+            _set_plain_pairs(wheel, rail, arcs, places, out)
+        else:
+            for j in range(n):
+                _set_pair(out, j, opposite(wheel, rail, arcs[j], places[j]))
+        farthest = 0.0
+        for j in range(n):
+            before = out.ahead[j] * out.shrink[j]
+            arcs[j] -= before
+            farthest = max(farthest, abs(before))
+        if farthest <= MAX_AHEAD * spacing:
+            break
+    return out
 
 
 @kernel
@@ -111,49 +162,22 @@ def find_end(wheel: PlacedWheel, rail: Rail, contact: Record, direction: float, 
     return s, 0
 
 
-class Walk(NamedTuple):
-    """Where a walk along the rows has come to."""
-
-    arc: float  # on the wheel [m]
-    s: float  # on the rail [m]
-    shrink: float  # the wheel's there, see `Opposite`
-    last: float  # and a row before
-    drift: float  # of the pair apart, on the wheel per arclength on the rail
-
-
 @kernel
-def sample_rows(wheel: PlacedWheel, rail: Rail, grid: Record, rows: Records) -> None:
-    """Rows of a grid from ``least`` to ``most``, away from its pair of opposite points."""
-    arc_wheel, arc_rail = grid.arc_wheel, grid.arc_rail
+def sample_rows(wheel: PlacedWheel, rail: Rail, grid: Record, rows: Records, work: Array) -> None:
+    """Rows of a grid from ``least`` to ``most``, away from its pair of opposite points. work: (13, ROWS) scratch."""
     h = (grid.most - grid.least) / (ROWS - 1)
     grid.spacing = h
     grid.deepest = 1e-12
-    right = min(max(int((arc_rail - grid.least) / h), 0), ROWS - 1)
-    left = right - 1
-    pair = opposite(wheel, rail, arc_wheel, arc_rail)
-    up = down = Walk(arc_wheel - pair.ahead * pair.shrink, arc_rail, pair.shrink, pair.shrink, 0.0)
-    # to both sides at a time: a processor does one while it waits for the other
-    while left >= 0 or right < ROWS:
-        if right < ROWS:
-            up = _sample_row(wheel, rail, up, grid, rows[right], grid.least + right * h)
-            right += 1
-        if left >= 0:
-            down = _sample_row(wheel, rail, down, grid, rows[left], grid.least + left * h)
-            left -= 1
-
-
-@inlined
-def _sample_row(wheel: PlacedWheel, rail: Rail, walk: Walk, grid: Record, row: Record, s: float) -> Walk:
-    """Write the row at s, the next one of a walk; returns where that has come to."""
-    # how far the pair drifts apart in a step is predicted from the last one
-    arc = walk.arc + (s - walk.s) * (1.5 * walk.shrink - 0.5 * walk.last - walk.drift)
-    pair, before = _opposite_near(wheel, rail, arc, s, grid.spacing)
-    # a first row may stand beside the pair that the walk begins at
-    drift = walk.drift + before / (s - walk.s) if abs(s - walk.s) > 0.3 * grid.spacing else walk.drift
-    row.s, row.arc_wheel, row.d, row.x, row.o, row.b = s, arc - before, pair.d, pair.x, pair.o, pair.b
-    row.no, row.nb, row.r_t, row.slope = pair.no, pair.nb, pair.r_t, pair.slope
-    grid.deepest = max(grid.deepest, pair.d)
-    return Walk(arc - before, s, pair.shrink, walk.shrink, drift)
+    pair = opposite(wheel, rail, grid.arc_wheel, grid.arc_rail)
+    for r in range(ROWS):
+        s = work[1, r] = grid.least + r * h
+        work[0, r] = grid.arc_wheel + (s - grid.arc_rail - pair.ahead) * pair.shrink
+    out = _opposites(wheel, rail, h, work, ROWS)
+    for r in range(ROWS):
+        row = rows[r]
+        row.s, row.arc_wheel, row.d, row.x, row.o = work[1, r], work[0, r], out.d[r], out.x[r], out.o[r]
+        row.b, row.no, row.nb, row.r_t, row.slope = out.b[r], out.no[r], out.nb[r], out.r_t[r], out.slope[r]
+        grid.deepest = max(grid.deepest, row.d)
 
 
 @inlined
@@ -240,8 +264,11 @@ def _cubic(a: float, b: float, c: float, d: float, t: float, h: float) -> tuple[
 
 
 @kernel
-def place_grid_strips(wheel: PlacedWheel, rail: Rail, grid: Record, rows: Records, places: Records) -> None:
-    """Place the strips of one grid, ``places``, between its edges by (strip-density), and find the geometry there."""
+def place_grid_strips(
+    wheel: PlacedWheel, rail: Rail, grid: Record, rows: Records, places: Records, work: Array
+) -> None:
+    """Place the strips of one grid, ``places``, between its edges by (strip-density), and find the geometry there.
+    work: (13, >= strips) scratch."""
     n = places.size
     h, inverse = grid.spacing, 1.0 / grid.spacing
     first, density_start = _integral(grid, rows, grid.start)
@@ -266,15 +293,17 @@ def place_grid_strips(wheel: PlacedWheel, rail: Rail, grid: Record, rows: Record
     # apart from the boundaries: a processor takes several strips at a time
     for j in range(n):
         place = places[j]
-        s = place.s = 0.5 * (place.lo + place.hi)
+        s = place.s = work[1, j] = 0.5 * (place.lo + place.hi)
         x = (s - grid.least) * inverse
         c = min(max(int(x), 1), ROWS - 3)
         t = x - c
         # profiles bend sharply within a row's distance: what lies between rows is computed, not read
-        arc = rows[c].arc_wheel + t * (rows[c + 1].arc_wheel - rows[c].arc_wheel)
-        pair, _before = _opposite_near(wheel, rail, arc, s, h)
-        place.d, place.d_s, place.no, place.nb = pair.d, pair.d_s, pair.no, pair.nb
+        work[0, j] = rows[c].arc_wheel + t * (rows[c + 1].arc_wheel - rows[c].arc_wheel)
         place.curvature, place.curvature_s = _cubic(
             rows[c - 1].curvature, rows[c].curvature, rows[c + 1].curvature, rows[c + 2].curvature, t, h
         )
         place.x, place.x_s = _cubic(rows[c - 1].x, rows[c].x, rows[c + 1].x, rows[c + 2].x, t, h)
+    out = _opposites(wheel, rail, h, work, n)
+    for j in range(n):
+        place = places[j]
+        place.d, place.d_s, place.no, place.nb = out.d[j], out.d_s[j], out.no[j], out.nb[j]

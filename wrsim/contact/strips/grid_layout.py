@@ -52,7 +52,7 @@ def set_grids(system: System, contacts: Records, pose: WheelPose, count: int) ->
         grid.most = contacts[last].arc_rail + distance
         status |= STATUS_PROFILE_END if beyond else 0
         grid.arc_wheel, grid.arc_rail = contacts[i].arc_wheel, contacts[i].arc_rail
-        sample_rows(wheel, rail, grid, system.rows[first])
+        sample_rows(wheel, rail, grid, system.rows[first], system.vectors[V.TERMS :])
         _set_saddles(contacts, i, last, system.rows[first])
         free = system.grids.size - first - (count - 1 - last)
         memo.grids += _divide(system, first, min(last - i + 2, free))
@@ -60,7 +60,7 @@ def set_grids(system: System, contacts: Records, pose: WheelPose, count: int) ->
             grid, rows = system.grids[g], system.rows[g]
             grid.first, grid.last = i, last
             if memo.grids > first + 1:
-                sample_rows(wheel, rail, grid, rows)
+                sample_rows(wheel, rail, grid, rows, system.vectors[V.TERMS :])
             grade_rows(grid, rows, pose.axle)
             memo.deepest = max(memo.deepest, grid.deepest)
             _set_deepest_point(grid, rows)
@@ -160,15 +160,18 @@ def _divide(system: System, first: int, most: int) -> int:
     return parts
 
 
-@inlined
-def _next_corner(rows: Records, p: int, end: int) -> int:
-    """The corner behind row p of the concave hull of the penetration, on the way to row ``end``."""
-    q, steep = p + 1, rows[p + 1].d - rows[p].d
-    for r in range(p + 2, end + 1):
-        slope = (rows[r].d - rows[p].d) / (r - p)
-        if slope >= steep:
-            q, steep = r, slope
-    return q
+@kernel
+def _set_corners(rows: Records, first: int, last: int) -> None:
+    """Write to each row from first on the corner behind it of the concave hull of the penetration from there to row
+    ``last`` (Andrew, Information Processing Letters 9 (1979) 216)."""
+    for p in range(last - 1, first - 1, -1):
+        q = p + 1
+        while q < last:
+            r = rows[q].corner
+            if (rows[q].d - rows[p].d) * (r - q) > (rows[r].d - rows[q].d) * (q - p):
+                break
+            q = r
+        rows[p].corner = q
 
 
 @inlined
@@ -194,9 +197,10 @@ def _lowest_over_hull(rows: Records, first: int, last: int, deepest: float) -> t
     least, place = 1.0, 0.0
     if not _has_two_maxima(rows, first, last, MIN_DEPTH * deepest):
         return place, least
+    _set_corners(rows, first, last)
     p = first
     while p < last:
-        q = _next_corner(rows, p, last)
+        q = rows[p].corner
         # a maximum may lie below the chord to rows that do not touch, or to an end
         start = p if p > first and rows[p].d > MIN_DEPTH * deepest else _highest_maximum(rows, p, q, last)
         end = q if q < last and rows[q].d > MIN_DEPTH * deepest else _highest_maximum(rows, p, q, first)

@@ -14,7 +14,7 @@ import numpy as np
 from wrsim.contact.strips.records import RESTS, V
 from wrsim.jit import Array, inlined, kernel, noalias_kernel
 from wrsim.jit.arena import bits_of, number_of
-from wrsim.jit.spline import difference_in_row, differences, terms, terms_in_row
+from wrsim.jit.spline import differences, differences_in_row, terms, terms_in_row
 
 LOWEST, HIGHEST, STEPS = -12, 12, 6
 """Octaves of t in the table, and steps in each; below the first t counts as its start."""
@@ -177,22 +177,19 @@ def displacement_at(
     _find_ends(start, end, inverse, s, low, low_z, high, high_z)
     if not aligned:
         _find_middles(middles, inverse, x, here, here_z)
-    if points > 1:
-        _find_middles(middles, inverse, x + r, before, before_z)
+    ends = lo, low, low_z, hi, high, high_z
+    if points == 1 and not aligned:
+        return Displacements(differences(table, ends, (here, here_z))[0], 0.0, 0.0)
+    _find_middles(middles, inverse, x + r, before, before_z)
+    if aligned:
+        middle, fore = differences_in_row(table, ends, (before, before_z))
+        return Displacements(middle, fore, fore)
     if points > 2:
         _find_middles(middles, inverse, x - r, behind, behind_z)
-    ends = lo, low, low_z, hi, high, high_z
-    middle = fore = aft = 0.0
-    if points > 2:
         middle, fore, aft = differences(table, ends, (here, here_z, before, before_z, behind, behind_z))
         return Displacements(middle, fore, aft)
-    if aligned:
-        middle = difference_in_row(table[table.shape[0] - 1], ends)
-    else:
-        middle = differences(table, ends, (here, here_z))[0]
-    if points > 1:
-        fore = differences(table, ends, (before, before_z))[0]
-    return Displacements(middle, fore, aft)
+    middle, fore = differences(table, ends, (here, here_z, before, before_z))
+    return Displacements(middle, fore, fore)
 
 
 @kernel

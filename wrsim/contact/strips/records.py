@@ -29,6 +29,7 @@ ROW = record("""
     density    [1]    density of strips (strip-density)
     xi         [m]    integral of the density up to the row
     overlap    [m]    penetration less displacement
+    corner     [int]  row of the next corner of the concave hull
     side       [1]    lateral creep force over normal force of the last strips over the row (strip-turned)
 """)
 """A row of the table of a grid's geometry."""

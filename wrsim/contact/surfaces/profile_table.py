@@ -46,8 +46,15 @@ def profile_point(profile: Any, arc: float) -> ProfilePoint:
         end = node(profile, i)
         beyond = arc - i * step
         return ProfilePoint(end.u + beyond * end.tu, end.w + beyond * end.tw, end.tu, end.tw, 0.0)
-    i = int(x)
-    return between(node(profile, i), node(profile, i + 1), x - i, step)
+    return inner_point(profile, arc)
+
+
+@inlined
+def inner_point(profile: Any, arc: float) -> ProfilePoint:
+    """The same between its ends, where several are read side by side."""
+    x = arc * (1.0 / profile.step)
+    i = min(max(int(x), 0), profile.table.shape[0] - 2)
+    return between(node(profile, i), node(profile, i + 1), x - i, profile.step)
 
 
 @inlined

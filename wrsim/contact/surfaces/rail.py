@@ -185,6 +185,12 @@ def along(rail: Rail, envelope: Envelope, point: ProfilePoint, x: float, to_axle
         sine = x * rail.roller / (1.0 + point.w * rail.roller)
         cosine = sqrt(1.0 - sine * sine)
         return Along(0.0, -x * sine / (1.0 + cosine), -point.tu * sine / cosine, 0.0)
+    return along_rail(rail, envelope, point, x, to_axle)
+
+
+@inlined
+def along_rail(rail: Rail, envelope: Envelope, point: ProfilePoint, x: float, to_axle: float) -> Along:
+    """The same where there is no roller."""
     bow = rail.bow_b * point.tu - rail.bow_o * point.tw
     rise = rail.twist * (point.u * point.tu + point.w * point.tw) + bow * (x + envelope.ahead)
     rise /= max(1.0 - bow * to_axle, LEAST_PARTING)  # the way that it is ahead for this rise counts, too
