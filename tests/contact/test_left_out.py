@@ -1,4 +1,5 @@
-"""Places along the rail that strips leave out, on rails that change along the track; flats: test_out_of_round.py."""
+"""Strips on rails that bend along the track: the mean over the length of contact, and places that they leave out;
+flats: test_out_of_round.py."""
 
 import numpy as np
 import pytest
@@ -20,8 +21,8 @@ HEIGHTS = {
 }
 
 
-def models(height, *normals):
-    sections = [RailSection(s, RAIL.shifted(0.0, height(s))) for s in np.arange(-0.1, 0.101, 0.002).tolist()]
+def models(height, *normals, apart=0.002):
+    sections = [RailSection(s, RAIL.shifted(0.0, height(s))) for s in np.arange(-0.1, 0.1001, apart).tolist()]
     surface = RailSurface("rail", tuple(sections))
     choices = [ContactSettings(normal=normal, tangential="none", damping=0.0) for normal in normals]
     return [contact_model(WHEEL, RAIL, R, settings, 0.3, surface) for settings in choices]
@@ -54,3 +55,48 @@ def test_a_place_before_or_behind_a_dip_is_told_with_its_force(name):
     assert (len(shares) > 3) == (name != "hill")
     if shares:
         assert_allclose(np.median(shares), 1.0, atol=0.25)
+
+
+def wave(length, amplitude):
+    return lambda s: amplitude * np.cos(2.0 * np.pi * s / length)
+
+
+def pressed(model, load, place=0.0, lateral=-1e-3):
+    """The pose under a load, and the contact there."""
+    start = [[0.0, lateral, model.radius + 5e-3, 0.0, 1.0, *np.zeros(7)]]
+    pose = model.solve_many(start, load, threads=1, place=place).poses[0, :3]
+    return pose, model.evaluate(pose, place=place)
+
+
+@pytest.mark.parametrize("place", [0.0, 0.3], ids=["crest", "trough"])
+@pytest.mark.parametrize("normal", ["strips", "kik-piotrowski"])
+def test_a_long_wave_bends_as_its_top_everywhere(normal, place):
+    """A wheel of the radius 1/(1/R +- amplitude (2 pi/length)^2) on a straight rail parts from it as fast."""
+    bend = 2e-3 * (2.0 * np.pi / 0.6) ** 2
+    (waved,) = models(lambda s: wave(0.6, 2e-3)(s + place), normal)
+    settings = ContactSettings(normal=normal, tangential="none", damping=0.0)
+    other = 1.0 / (1.0 / R + (bend if place == 0.0 else -bend))
+    plain = contact_model(WHEEL, RAIL, other, settings, 0.3)
+    contact, same = pressed(waved, 8e4)[1], pressed(plain, 8e4)[1]
+    assert_allclose(same.patches["approach"], contact.patches["approach"], rtol=1e-3)
+    assert_allclose(same.patches["p0"], contact.patches["p0"], rtol=2e-3)
+
+
+@pytest.mark.parametrize(("length", "amplitude"), [(0.02, 1e-5), (0.03, 2e-5), (0.03, 3e-5)])
+def test_a_wave_as_short_as_the_contact_presses_as_in_the_exact_solver(length, amplitude):
+    """The exact solver takes the whole gap. A rail that bends everywhere as the trough does in its middle presses more,
+    up to 7 %. The force acts where the exact one does: seen from the axle by its moment over itself."""
+    strips, exact = models(wave(length, amplitude), "strips", "half-space", apart=0.001)
+    off = []
+    for phase in (0.0, 0.1, 0.25, 0.4, 0.5):
+        pose, contact = pressed(strips, 8e4, phase * length)
+        whole = exact.evaluate(pose, place=phase * length)
+        assert_allclose(contact.normal_force, whole.normal_force, rtol=0.025)
+        assert_allclose(contact.patches["p0"], whole.patches["p0"], rtol=0.02)
+        off.append(1e3 * (contact.moment[1] / contact.normal_force - whole.moment[1] / whole.normal_force))
+    assert np.abs(off).max() < 0.2
+    bend = 0.5 * amplitude * (2.0 * np.pi / length) ** 2
+    (hollow,) = models(lambda s: bend * s * s - amplitude, "strips")
+    of_one_bend = hollow.evaluate(pose).normal_force
+    assert of_one_bend - whole.normal_force > 2.0 * abs(contact.normal_force - whole.normal_force)
+    assert of_one_bend > (1.07 if amplitude == 3e-5 else 1.02) * whole.normal_force

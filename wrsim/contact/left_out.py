@@ -17,7 +17,8 @@ from wrsim.jit import Record, Records, inlined, kernel
 from wrsim.jit.root import interval
 
 COLUMN = 1e-3  # distance of places along the rail: of a radius of 50 mm between two of them 2.5 um are not seen [m]
-REACH = 0.06  # how far away places of a rail are looked at [m]
+FARTHEST = 0.06  # place of a rail that is looked at [m]: 2 R m of both in a dip of 2 x m = 65 mrad, R = 0.46 m
+TAKEN = 0.5  # of its force a further place takes from the first one, over the displacement there
 NODE = sqrt(0.5)  # of the half length: outer ones of three forces with the moments of a semi-ellipse, 1 : 2 : 1
 
 
@@ -60,7 +61,7 @@ def _on_wheel(
     while x <= reach:
         above = lobe.approach - gap_along(wheel, at, on, x) / size
         if above > overlap and abs(touched + x - middle) > a:
-            overlap = max(overlap, above - _displacement(model, lobes, strips, count, lobe, touched + x))
+            overlap = max(overlap, _left(above, model, lobes, strips, count, lobe, touched + x))
         x += COLUMN
     return overlap
 
@@ -74,8 +75,8 @@ def _on_rail(
     here, envelope = rail_and_envelope(rail, lobe.arc_rail)
     place = rail.place + way_ahead(rail, here.u, here.tu, here.tw)
     stations, last = rail.stations, rail.stations.shape[0] - 1
-    overlap, i = 0.0, interval(stations, place - REACH, rail.share.at)
-    while i <= last and stations[i] <= place + REACH:
+    overlap, i = 0.0, interval(stations, place - FARTHEST, rail.share.at)
+    while i <= last and stations[i] <= place + FARTHEST:
         k = min(i, last - 1)
         share = Share(k, k * rail.rows, (k + 1) * rail.rows, 1.0 - (i - k), 1.0 * (i - k), 0.0, 0.0)
         station = Rail(
@@ -85,20 +86,21 @@ def _on_rail(
         other, touched = rail_and_envelope(station, lobe.arc_rail)
         ahead = stations[i] + touched.ahead - place
         x, r = lobe.x - envelope.ahead + ahead, rail.radius
-        if abs(ahead) < REACH and abs(x - middle) > a:
+        if abs(ahead) < FARTHEST and abs(x - middle) > a:
             drop = sqrt(r * r - touched.ahead * touched.ahead) - sqrt(r * r - ahead * ahead)
             out = other.u - rail.sine * ahead - here.u  # the track's axis goes on beside a rail that runs outward
             above = lobe.approach - out * here.tw + (other.w - drop - here.w) * here.tu
             if above > overlap:
-                overlap = max(overlap, above - _displacement(model, lobes, strips, count, lobe, x))
+                overlap = max(overlap, _left(above, model, lobes, strips, count, lobe, x))
         i += 1
     return overlap
 
 
 @inlined
-def _displacement(model: Record, lobes: Records, strips: Records, count: int, at: Record, x: float) -> float:
-    """By the strips of all lobes at a place x along the rail beside a lobe's main point [m]; far ones act with the
-    cosine of the angle between the normals."""
+def _left(above: float, model: Record, lobes: Records, strips: Records, count: int, at: Record, x: float) -> float:
+    """What the strips of all lobes leave of an overlap at a place x along the rail beside a lobe's main point [m], less
+    what a force there takes from the lobe's (oor-left-out); far strips act with the cosine of the angle between the
+    normals."""
     displacement = 0.0
     for i in range(count):
         facing = at.no * lobes[i].no + at.nb * lobes[i].nb
@@ -116,4 +118,5 @@ def _displacement(model: Record, lobes: Records, strips: Records, count: int, at
                 + 0.25 / sqrt((ahead + away) ** 2 + beside)
             )
         displacement += facing * pushed / factor
-    return displacement / (pi * model.E)
+    displacement /= pi * model.E
+    return (above - displacement) * max(1.0 - TAKEN * displacement / at.approach, 0.0) ** (2.0 / 3.0)

@@ -68,9 +68,10 @@ def pair(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float, out_
     no, nb = bisector(w, r)
     gap = (w.o + out_o - r.u) * no + (w.b + out_b - r.w) * nb
     at = along(rail, envelope, r, w.x, w.to_axle)
+    r_t, farther = parting(w.r_t, envelope, out_o * no + out_b * nb - gap)
     return Pair(
-        gap, w.x + at.ahead, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w) + at.drop, no, nb, w.shrink,
-        parting(w.r_t, at), at.slope,
+        gap, w.x + at.ahead + farther, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w) + at.drop, no, nb, w.shrink,
+        r_t, at.slope,
     )  # fmt: skip
 
 
@@ -176,6 +177,5 @@ def fill_strips(wheel: PlacedWheel, rail: Rail, lobe: Record, projected: int, n:
             strip.slope = at.slope
             strip.r_t = at.r_t
             i += direction
-    point, envelope = rail_and_envelope(rail, lobe.arc_rail)
-    at_main = along(rail, envelope, point, main_point.x, main_point.to_axle)
-    return sqrt(2.0 * (delta - lobe.recess) * parting(main_point.r_t, at_main))
+    envelope = rail_and_envelope(rail, lobe.arc_rail)[1]
+    return sqrt(2.0 * (delta - lobe.recess) * parting(main_point.r_t, envelope, delta)[0])

@@ -196,18 +196,18 @@ def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
         status |= STATUS_PROFILE_END
     total.status = status
     if a.depth.shape[0] > 0 and count > 0:
-        a.call[0].averaged = _length(wheel, a.found, count, model.eps)
+        a.call[0].averaged = _length(wheel, a.found, count)
     return count, status
 
 
 @kernel
-def _length(wheel: PlacedWheel, contacts: Records, count: int, eps: float) -> float:
-    """Half length of contact of a wheel out of round where it is deepest [m]."""
+def _length(wheel: PlacedWheel, contacts: Records, count: int) -> float:
+    """Half length over which a wheel out of round is bent in the mean where it is deepest [m]."""
     deepest = 0
     for i in range(1, count):
         deepest = i if contacts[i].depth > contacts[deepest].depth else deepest
     contact = contacts[deepest]
-    return contact_length(wheel, profile_point(wheel.profile, contact.arc_wheel), eps * contact.depth)
+    return contact_length(wheel, profile_point(wheel.profile, contact.arc_wheel), contact.depth)
 
 
 @kernel

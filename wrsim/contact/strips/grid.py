@@ -33,6 +33,7 @@ MIN_DENSITY = 0.3  # share of even density
 ROUNDS = 8  # at most in which points are brought opposite: each leaves a tenth of the distance or less
 MAX_AHEAD = 0.01  # of the rows' distance: how far ahead a point may be for the shift along the rail to be read there
 _THIRD = (2 * 1023 << 52) // 3  # of the bits of 1.0, what a third of a number's own leaves
+LEVEL = Envelope(0.0, 0.0, 0.0, 0.0, 0.0)  # of a rail of one profile
 MIN_SINE_SQUARED = 2.5e-3  # square of the sine between axle and normal, held above
 
 
@@ -58,12 +59,12 @@ def opposite(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float) 
     circle of curvature."""
     w = locus_point(wheel, arc_wheel)
     r, envelope = rail_and_envelope(rail, arc_rail)
-    return _pair_of(w, r, along(rail, envelope, r, w.x, w.to_axle))
+    return _pair_of(w, r, envelope, along(rail, envelope, r, w.x, w.to_axle))
 
 
 @inlined
-def _pair_of(w: Locus, r: ProfilePoint, frame: Along) -> Opposite:
-    """The pair of two points; frame: what the rail does along the track there."""
+def _pair_of(w: Locus, r: ProfilePoint, envelope: Envelope, frame: Along) -> Opposite:
+    """The pair of two points; envelope, frame: what the rail does along the track there."""
     no, nb = bisector(w, r)
     ahead = (w.o - r.u) * nb - (w.b - r.w) * no
     turn = 0.5 * w.shrink * w.k * ahead  # half of what the wheel's normal turns by on the way
@@ -73,9 +74,10 @@ def _pair_of(w: Locus, r: ProfilePoint, frame: Along) -> Opposite:
     d = -((wo - r.u) * no + (wb - r.w) * nb)
     d_s = 2.0 * (r.tu * no + r.tw * nb)
     tilt = tilted(frame)
+    r_t, farther = parting(w.r_t, envelope, d)
     return Opposite(
-        d * tilt, d_s * tilt, w.x + frame.ahead, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + frame.drop, no, nb, w.shrink,
-        parting(w.r_t, frame), ahead, frame.slope,
+        d * tilt, d_s * tilt, w.x + frame.ahead + farther, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + frame.drop, no, nb,
+        w.shrink, r_t, ahead, frame.slope,
     )  # fmt: skip
 
 
@@ -93,7 +95,7 @@ def _set_plain_pairs(wheel: PlacedWheel, rail: Rail, arcs: Array, places: Array,
     profile = ProfileTable(rail.table, rail.step)
     for j in range(arcs.size):
         w, r = yawed_point(wheel, inner_point(wheel.profile, arcs[j])), inner_point(profile, places[j])
-        _set_pair(out, j, _pair_of(w, r, along_rail(rail, Envelope(0.0, 0.0, 0.0), r, w.x, w.to_axle)))
+        _set_pair(out, j, _pair_of(w, r, LEVEL, along_rail(rail, LEVEL, r, w.x, w.to_axle)))
 
 
 @kernel

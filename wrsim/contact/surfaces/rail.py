@@ -15,30 +15,35 @@ from typing import NamedTuple
 from wrsim.contact.records import ProfileTable, Rail, Share
 from wrsim.contact.surfaces.profile_table import ProfilePoint, between, profile_point
 from wrsim.jit import Array, Bools, Ints, inlined, kernel
-from wrsim.jit.root import interval
+from wrsim.jit.root import Bracket, crossing, interval, narrowed
 
 STEEPEST = 3.0  # slope across up to which a yawed wheel's shift is followed
 SERIES = 1e-4  # squares of slopes below which series take the place of roots, to round-off
 LEAST_PARTING = 0.1  # of the wheel's curvature: a rail that is more hollow is touched at two places
+DEPTHS = 5e-5, 2e-4  # of contacts for which tables have the curvature along the track [m]
+MOST = 1.5  # of the way between both, up to which the radius is followed
+MEAN_GAP = 0.75  # of the depth, sum of the gaps at Chebyshev's outer nodes of a strip (surf-parting)
 
 
 class Along(NamedTuple):
     """Along the track at a point of the rail: how far ahead the wheel touches it and how much higher that is than in
-    the effective profile [m], slope, curvature [1/m]."""
+    the effective profile [m], slope."""
 
     ahead: float
     drop: float
     slope: float
-    bend: float
 
 
 class Envelope(NamedTuple):
     """What the tables of a rail that changes along the track give at a point of its section: how far ahead of the axle
-    it is touched [m], slope, curvature [1/m]."""
+    it is touched [m], slope; curvature over contacts of both ``DEPTHS`` [1/m], and the slope between the ends of one
+    over its depth [1/m] (surf-parting)."""
 
     ahead: float
     slope: float
     bend: float
+    bend_deep: float
+    lean: float
 
 
 @inlined
@@ -130,7 +135,7 @@ def rail_point(rail: Rail, arc: float) -> ProfilePoint:
 def rail_and_envelope(rail: Rail, arc: float) -> tuple[ProfilePoint, Envelope]:
     """As ``rail_point``, and what the tables give along the track there."""
     if not changes(rail):
-        return profile_point(ProfileTable(rail.table, rail.step), arc), Envelope(0.0, 0.0, 0.0)
+        return profile_point(ProfileTable(rail.table, rail.step), arc), Envelope(0.0, 0.0, 0.0, 0.0, 0.0)
     x, i, (one, out), (other, farther) = _at(rail, arc)
     r, p, q = x - i, _node(rail, one, i, out), _node(rail, other, i + 1, farther)
     at = between(p, q, r, rail.step)
@@ -144,6 +149,8 @@ def rail_and_envelope(rail: Rail, arc: float) -> tuple[ProfilePoint, Envelope]:
         (1.0 - r) * _value(rail, one, i, 5) + r * _value(rail, other, i + 1, 5),
         (1.0 - r) * _value(rail, one, i, 6) + r * _value(rail, other, i + 1, 6),
         (1.0 - r) * _value(rail, one, i, 7) + r * _value(rail, other, i + 1, 7),
+        (1.0 - r) * _value(rail, one, i, 8) + r * _value(rail, other, i + 1, 8),
+        (1.0 - r) * _value(rail, one, i, 9) + r * _value(rail, other, i + 1, 9),
     )
 
 
@@ -184,7 +191,7 @@ def along(rail: Rail, envelope: Envelope, point: ProfilePoint, x: float, to_axle
     if rail.roller > 0.0:
         sine = x * rail.roller / (1.0 + point.w * rail.roller)
         cosine = sqrt(1.0 - sine * sine)
-        return Along(0.0, -x * sine / (1.0 + cosine), -point.tu * sine / cosine, 0.0)
+        return Along(0.0, -x * sine / (1.0 + cosine), -point.tu * sine / cosine)
     return along_rail(rail, envelope, point, x, to_axle)
 
 
@@ -200,7 +207,7 @@ def along_rail(rail: Rail, envelope: Envelope, point: ProfilePoint, x: float, to
         drop = rail.radius * share * (0.5 + share * (0.125 + share * 0.0625))
     else:
         drop = rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead)
-    return Along(ahead, drop, envelope.slope + rise, envelope.bend)
+    return Along(ahead, drop, envelope.slope + rise)
 
 
 @inlined
@@ -213,17 +220,25 @@ def tilted(at: Along) -> float:
 
 
 @inlined
-def parting(r_t: float, at: Along) -> float:
-    """Radius with which a wheel of radius ``r_t`` along the track and the rail part [m]."""
-    if at.bend == 0.0:
-        return r_t
-    return 1.0 / max(1.0 / r_t - at.bend, LEAST_PARTING / r_t)
+def parting(r_t: float, at: Envelope, depth: float) -> tuple[float, float]:
+    """Radius with which a wheel of radius ``r_t`` along the track and the rail part over a contact this deep, and how
+    far ahead the middle of that lies [m] (surf-parting)."""
+    if at.bend == 0.0 and at.bend_deep == 0.0:
+        return r_t, 0.0
+    least, depth = LEAST_PARTING / r_t, max(depth, 0.0)
+    light, deep = 1.0 / max(1.0 / r_t - at.bend, least), 1.0 / max(1.0 / r_t - at.bend_deep, least)
+    share = min((depth - DEPTHS[0]) / (DEPTHS[1] - DEPTHS[0]), MOST)
+    r = max(light + share * (deep - light), 0.5 * min(light, deep))
+    half = sqrt(MEAN_GAP * depth * r)
+    return r, min(max(r * at.lean * depth, -half), half)
 
 
 # tables of a rail whose profile changes along the track: see `wrsim.contact.surfaces.rolled_rail`
 
 PLACES = 61  # at least, at which a contact is looked for before it is found to round-off
 FALL = 3.0  # slope with which a piece falls off behind its ends
+LONGEST = 0.03  # half length of contact [m]
+BESIDE = 1e-4  # half the distance of rows [m]
 LONGEST_LOOP = 100  # rows that run backwards where two branches cross
 
 
@@ -301,6 +316,54 @@ def _own_curvature(c: Array, row: int, y: float, i: int, cosine: float) -> float
     return atan2(pu * qw - pw * qu, pu * qu + pw * qw) / max(sqrt(du * du + dw * dw), 1e-9)
 
 
+@kernel
+def _rise(
+    c: Array, knots: Array, ends: Array, row: int, s: float, x: float, radius: float, i: int, heading: Heading, at: Row
+) -> float:  # fmt: skip
+    """How far the rail at x rises over the tangent along the track at a row, over the square of the way to there
+    [1/m]."""
+    i = interval(knots, s + x, i)
+    step, best, height, ahead = 0, inf, 0.0, 1.0
+    while 0 <= row + step < c.shape[2] and best > BESIDE:
+        there = _lowered_row(c, knots, ends, row + step, s, x, radius, i, heading)
+        drop = sqrt(radius * radius - at.ahead * at.ahead) - sqrt(radius * radius - there.ahead * there.ahead)
+        du, dw = there.u - at.u, there.w + drop - at.w
+        aside = du * at.tu + dw * at.tw
+        if abs(aside) >= best:
+            break
+        y = min(max(s + x, knots[0]), knots[knots.size - 1]) - knots[i]
+        leans = (at.tu * there.tw - at.tw * there.tu) / max(at.tu * there.tu + at.tw * there.tw, LEAST_PARTING)
+        bow = 0.5 * _own_curvature(c, row + step, y, i, heading.cosine)
+        best, height, ahead = (
+            abs(aside),
+            at.tu * dw - at.tw * du - aside * (leans - aside * bow),
+            there.ahead - at.ahead,
+        )
+        step += 1 if aside < 0.0 else -1
+    return (height - (at.tu * at.dw - at.tw * at.du) / at.da * ahead) / (ahead * ahead)
+
+
+@kernel
+def _mean_bend(
+    c: Array, knots: Array, ends: Array, row: int, s: float, x: float, depth: float, radius: float, i: int,
+    heading: Heading, at: Row,
+) -> tuple[float, float]:  # fmt: skip
+    """Curvature along the track over a contact this deep about a row that is touched at x [1/m], and the slope between
+    the ends of that (surf-parting)."""
+    k, goal = max(at.tu, LEAST_PARTING) / radius, MEAN_GAP * depth
+    bracket = Bracket(0.0, goal, LONGEST, -inf, 0)
+    b, ahead, behind = sqrt(goal / k), 0.0, 0.0
+    for _ in range(8):
+        ahead = _rise(c, knots, ends, row, s, x + b, radius, i, heading, at)
+        behind = _rise(c, knots, ends, row, s, x - b, radius, i, heading, at)
+        left = goal - b * b * (k - ahead - behind)
+        if abs(left) < 0.01 * goal or b == LONGEST:
+            break
+        bracket = narrowed(bracket, b, left)
+        b = min(1.5 * b, LONGEST) if bracket.hi_h == -inf else crossing(bracket)
+    return ahead + behind, 0.5 * b * (ahead - behind)
+
+
 @inlined
 def _next(knots: Array, s: float, i: int, step: float) -> float:
     """The next place to look at: every knot and the middle between two of them are among these."""
@@ -315,11 +378,9 @@ def _next(knots: Array, s: float, i: int, step: float) -> float:
 def envelope_rows(
     c: Array, knots: Array, ends: Array, s: float, radius: float, reach: float, heading: Heading, rows: Ints, out: Array
 ) -> None:
-    """The effective profile of a piece at s in axes turned by a heading, one row of ``out`` (n, 8) for each of its
-    rows from the first to before the last of ``rows`` (2,): u, w, tu, tw, how far ahead it is touched, slope and
-    curvature along the axes, along its normal; whether it was found within reach.
-
-    A row slips past: along the track, across to nothing, its section's own curvature counts, too.
+    """The effective profile of a piece at s in axes turned by a heading, one row of ``out`` (n, 10) for each of its
+    rows from the first to before the last of ``rows`` (2,): u, w, tu, tw, how far ahead it is touched, slope,
+    curvatures and lean of ``Envelope`` along the axes, along its normal; whether it was found within reach.
 
     c, knots: of the cubics (4, m, n, 4), (m + 1,); ends: (2,), above 0 where the piece falls off.
     """
@@ -353,14 +414,12 @@ def envelope_rows(
                     high = x
         i = interval(knots, s + x, i)
         at = _lowered_row(c, knots, ends, row, s, x, radius, i, heading)
-        past = at.du * at.tu + at.dw * at.tw
         envelope = out[row]
         envelope[0], envelope[1], envelope[2], envelope[3], envelope[4] = at.u, at.w, at.tu, at.tw, at.ahead
         envelope[5] = (at.tu * at.dw - at.tw * at.du) / at.da
-        y = min(max(s + x, knots[0]), knots[knots.size - 1]) - knots[i]
-        envelope[6] = at.tu * (at.ddw - 2.0 * past * at.dtw) - at.tw * (at.ddu - 2.0 * past * at.dtu)
-        envelope[6] = (envelope[6] + past * past * _own_curvature(c, row, y, i, heading.cosine)) / (at.da * at.da)
-        envelope[7] = within_reach
+        for k in range(2):
+            envelope[6 + k], lean = _mean_bend(c, knots, ends, row, s, x, DEPTHS[k], radius, i, heading, at)
+        envelope[8], envelope[9] = lean / DEPTHS[1], within_reach
 
 
 @kernel

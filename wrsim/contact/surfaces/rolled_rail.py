@@ -33,10 +33,10 @@ CLOSEST = 1e-3  # least distance of stations [m]
 FIELD_APART = 0.5e-3  # sections farther from each other have distance fields of their own [m]
 ROUND_OFF = 1e-9  # of heights, at the most [m]
 NOWHERE = 0.1  # how deep rows lie of a piece that does not exist [m]
-COLUMNS = ("u", "w", "tu", "tw", "k", "ahead", "slope", "bend")
+COLUMNS = ("u", "w", "tu", "tw", "k", "ahead", "slope", "bend", "bend_deep", "lean")
 """Columns of a table, in the rail's own axes (`RailSurface.heading`): point [m], tangent, curvature [1/m]; how far
-ahead of the axle the rail is touched there [m], its slope along them (normal to the section) and its curvature,
-positive upwards [1/m]."""
+ahead of the axle the rail is touched there [m], its slope along them (normal to the section), and its
+curvatures and lean, positive upwards, as in `rail.Envelope`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +135,7 @@ def _is_good(rail: RolledRail, s: float, table: Array) -> bool:
 def _moves(tables: Array, heading: Array) -> Array:
     """How fast effective sections move along their normals with s: with the slope of the rail where it is touched, and
     with their axes, which go along the track and turn."""
-    (u, _w, _tu, tw, _k, ahead, slope, _bend), (sine, rate) = np.moveaxis(tables, -1, 0), heading
+    (u, _w, _tu, tw, _k, ahead, slope, *_bends), (sine, rate) = np.moveaxis(tables, -1, 0), heading
     cosine = np.sqrt(1.0 - sine**2)
     return np.asarray(slope * (cosine - u * rate / cosine) - tw * (sine - ahead * rate / cosine))
 
@@ -157,7 +157,7 @@ def _rates(s: Array, tables: Array, headings: Array) -> Array:
 
 
 _Curve = tuple[Array, Array]
-"""Effective section of a piece: arclengths from its anchor (n,), rows (n, 7) of `envelope_rows` that are neither too
+"""Effective section of a piece: arclengths from its anchor (n,), rows (n, 9) of `envelope_rows` that are neither too
 deep nor fold back; empty where the piece does not exist."""
 
 
@@ -167,7 +167,7 @@ def effective_sections(surface: RailSurface, s: float, radius: float) -> list[_C
     heading = Heading(sine, sqrt(1.0 - sine**2))
 
     def envelope(piece: Piece, first: int, last: int) -> Array:
-        rows = np.full((piece.spline.c.shape[2], 8), -np.inf)
+        rows = np.full((piece.spline.c.shape[2], 10), -np.inf)
         ends, between = np.array(piece.open_ends, dtype=float), np.array((first, last))
         envelope_rows(piece.spline.c, piece.spline.x, ends, s, radius, REACH, heading, between, rows)
         return rows
@@ -186,7 +186,7 @@ def effective_sections(surface: RailSurface, s: float, radius: float) -> list[_C
         first, last = (near[0] - 1, near[-1] + 2) if near.size else (0, 0)
         envelopes.append(envelope(piece, max(first, 0), min(last, piece.tops.shape[1])))
     lowest = max(float(rows[:, 1].max()) for rows in envelopes) - DEEP
-    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 7] == 0.0)).any() for rows in envelopes):
+    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 9] == 0.0)).any() for rows in envelopes):
         far = f"a wheel of radius {1e3 * radius:g} mm would touch it more than {1e3 * REACH:g} mm from its axle"
         raise InputError(f"rail '{surface.name}': near {s:.4g} m it is so steep along the track that {far}")
     return [_curve(piece, rows, lowest) for piece, rows in zip(surface.pieces, envelopes, strict=True)]
@@ -195,11 +195,11 @@ def effective_sections(surface: RailSurface, s: float, radius: float) -> list[_C
 def _curve(piece: Piece, rows: Array, lowest: float) -> _Curve:
     """The effective section of a piece down to a height."""
     if rows[piece.anchor, 1] < lowest:
-        return np.zeros(0), np.zeros((0, 7))
+        return np.zeros(0), np.zeros((0, 9))
     keep = np.zeros(len(rows), dtype=bool)
     unfold(rows, piece.anchor, lowest, keep)
     at = int(keep[: piece.anchor].sum())
-    rows = rows[keep, :7]
+    rows = rows[keep, :9]
     bent = np.arcsin(np.clip(rows[:-1, 2] * rows[1:, 3] - rows[:-1, 3] * rows[1:, 2], -1.0, 1.0))
     arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(rows[:, :2], axis=0).T) * (1.0 + bent**2 / 24.0)))
     return arc - arc[at], rows
@@ -214,7 +214,7 @@ def _rows(curve: _Curve, arc: Array) -> Array:
     """Rows of a piece at the arclengths ``arc``; beyond its ends it goes on straight."""
     at, rows = curve
     if at.size < 2:
-        return np.column_stack((arc, np.full(arc.size, -NOWHERE), np.ones(arc.size), *np.zeros((5, arc.size))))
+        return np.column_stack((arc, np.full(arc.size, -NOWHERE), np.ones(arc.size), *np.zeros((7, arc.size))))
     inside = np.clip(arc, at[0], at[-1])
     spline = scipy.interpolate.CubicHermiteSpline(at, rows[:, :2], rows[:, 2:4])
     point, tangent = spline(inside), spline(inside, 1)

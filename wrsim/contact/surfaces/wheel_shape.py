@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 from wrsim.contact.records import PlacedWheel, Shape
 from wrsim.contact.surfaces.profile_table import ProfilePoint
+from wrsim.contact.surfaces.rail import MEAN_GAP
 from wrsim.jit import inlined, kernel
 from wrsim.jit.curves import hermite
 from wrsim.jit.root import Bracket, crossing, narrowed
@@ -270,9 +271,9 @@ def mean_curvature(wheel: PlacedWheel, at: ProfilePoint, on: Touch, size: float)
 
 @kernel
 def contact_length(wheel: PlacedWheel, at: ProfilePoint, depth: float) -> float:
-    """Half length a at which the gaps ahead and behind sum up to twice a depth [m]."""
+    """Half length at which the gaps ahead and behind sum up to ``MEAN_GAP`` of a depth [m]."""
     on = touch(wheel, at.u, at.w, slope_across(at))
-    wanted = 2.0 * depth * sqrt(1.0 + on.turn * on.turn + on.p_u * on.p_u)
+    wanted = MEAN_GAP * depth * sqrt(1.0 + on.turn * on.turn + on.p_u * on.p_u)
     low, at_low, a = 0.0, wanted, SHORTEST
     while True:
         left = wanted - gap_along(wheel, at, on, a) - gap_along(wheel, at, on, -a)
