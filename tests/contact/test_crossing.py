@@ -20,6 +20,7 @@ from wrsim import ContactModel, InputError, Profile
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact
 from wrsim.contact.models import contact_model as model_of
+from wrsim.contact.profiles.check_rail import floor_of, with_check_rail
 from wrsim.contact.profiles.points import ProfilePoints, interpolated
 from wrsim.contact.profiles.sections import ProfileArc, ProfileLine, circle, profile_from_sections
 from wrsim.contact.surfaces.rail import unfold
@@ -388,6 +389,29 @@ def test_a_rail_laid_askew_is_a_straight_one_under_a_wheel_that_is_yawed_less(no
         assert other.patches[name] == pytest.approx(one.patches[name], abs=2e-4 * one.normal_force), name
     place, own = ([contact.patches["x"], contact.patches["o"]] for contact in (other, one))
     np.testing.assert_allclose(place, turn[:2, :2] @ own, atol=2e-6)
+
+
+@pytest.mark.parametrize("coming", [6e-3, -6e-3])
+@pytest.mark.parametrize("yaw", [0.0, 5e-3, -5e-3, 0.01, -0.01])
+def test_the_back_of_a_flange_meets_a_flare_as_a_straight_check_rail_under_another_yaw(coming, yaw) -> None:
+    """Its face of 6:1 is touched 14 mm ahead for 5 mrad: a shift held at 3:1 gives 4 to 180 kN for 43.6 kN."""
+    rail, wheel, turn = rail_profile("60E1", 40), wheel_profile("S1002"), np.arctan(coming)
+
+    def laid(s: float) -> RailSection:
+        own = with_check_rail(rail, 0.041 + coming * s, 0.0)
+        return RailSection(s, own, (floor_of(own), own.head))
+
+    flare = on(RailSurface("flare", tuple(laid(s) for s in np.linspace(-0.5, 0.5, 11).tolist())), "strips", wheel)
+    plain = contact_model(wheel, with_check_rail(rail, 0.041, 0.0), normal="strips", **PLAIN)
+    turned = np.array([[cos(turn), -sin(turn), 0.0], [sin(turn), cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    axle = np.array([-sin(yaw), cos(yaw), 0.0])
+
+    def excess(lateral: float) -> float:
+        return plain.evaluate(turned @ (0.0, lateral, RADIUS + 3e-3), turned @ axle).normal_force - 43.6e3
+
+    lateral = brentq(excess, -7.9e-3, -6.5e-3, xtol=1e-9)
+    contact = flare.evaluate((0.0, lateral, RADIUS + 3e-3), axle)
+    assert contact.normal_force == pytest.approx(43.6e3, rel=0.025)
 
 
 @pytest.mark.parametrize(("rise", "yaw", "lateral", "share"), [(0.03, 0.01, 3e-3, 0.025), (0.01, -0.02, 8e-3, 0.045)])

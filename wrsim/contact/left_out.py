@@ -73,7 +73,7 @@ def _on_rail(
     """The same of a rail that changes along the track. Its places are those that its effective profile has at the
     stations near by, raised by the wheel's drop there and lowered by that from here."""
     here, envelope = rail_and_envelope(rail, lobe.arc_rail)
-    place = rail.place + way_ahead(rail, here.u, here.tu, here.tw)
+    place = rail.place + way_ahead(rail, here.u, here.w, here.tu, here.tw)
     stations, last = rail.stations, rail.stations.shape[0] - 1
     overlap, i = 0.0, interval(stations, place - FARTHEST, rail.share.at)
     while i <= last and stations[i] <= place + FARTHEST:

@@ -17,7 +17,7 @@ from wrsim.contact.surfaces.profile_table import ProfilePoint, between, profile_
 from wrsim.jit import Array, Bools, Ints, inlined, kernel
 from wrsim.jit.root import Bracket, crossing, interval, narrowed
 
-STEEPEST = 3.0  # slope across up to which a yawed wheel's shift is followed
+LARGEST_SINE = 0.7  # of the angle about the axle up to which a yawed wheel's shift is followed, as in search.locus
 SERIES = 1e-4  # squares of slopes below which series take the place of roots, to round-off
 LEAST_PARTING = 0.1  # of the wheel's curvature: a rail that is more hollow is touched at two places
 DEPTHS = 5e-5, 2e-4  # of contacts for which tables have the curvature along the track [m]
@@ -71,10 +71,10 @@ def share_at(stations: Array, rows: int, s: float, guess: int) -> Share:
 
 
 @inlined
-def way_ahead(rail: Rail, u: float, tu: float, tw: float) -> float:
+def way_ahead(rail: Rail, u: float, w: float, tu: float, tw: float) -> float:
     """How far ahead of the rail's place a wheel touches a row with this point and tangent, along the track [m]."""
-    tangent = min(max(tw / max(tu, 1e-3), -STEEPEST), STEEPEST)
-    ahead = rail.beside + rail.yaw * (u - rail.o - rail.radius * tangent)
+    sine = min(max(rail.yaw * tw / max(tu, 1e-3), -LARGEST_SINE), LARGEST_SINE)
+    ahead = rail.beside + rail.yaw * (u - rail.o) - (rail.radius - w) * sine
     return ahead * sqrt(1.0 - rail.sine * rail.sine)
 
 
@@ -85,8 +85,8 @@ def _share(rail: Rail, row: int) -> tuple[Share, float]:
     cosine = sqrt(1.0 - rail.sine * rail.sine)
     if rail.yaw == 0.0:
         return rail.share, -rail.sine * rail.beside * cosine
-    index = rail.share.low + row
-    way = way_ahead(rail, rail.table[index, 0], rail.table[index, 2], rail.table[index, 3])
+    at = rail.table[rail.share.low + row]
+    way = way_ahead(rail, at[0], at[1], at[2], at[3])
     return share_at(rail.stations, rail.rows, rail.place + way, rail.share.at), -rail.sine * way
 
 
@@ -109,7 +109,7 @@ def _node(rail: Rail, share: Share, row: int, out: float) -> ProfilePoint:
     tu, tw, k = _value(rail, share, row, 2), _value(rail, share, row, 3), _value(rail, share, row, 4)
     u, w = _value(rail, share, row, 0) + out, _value(rail, share, row, 1)
     if rail.yaw != 0.0:
-        bent = rail.radius * k / max(tu * tu, 1e-6) if abs(tw) < STEEPEST * tu else 0.0
+        bent = (rail.radius - w) * k / max(tu * tu, 1e-6) if abs(rail.yaw * tw) < LARGEST_SINE * tu else 0.0
         farther = rail.yaw * (tu - bent) * sqrt(1.0 - rail.sine * rail.sine)
         outward = share.a * rail.rates[share.low + row, 0] + share.b * rail.rates[share.high + row, 0]
         tu += farther * (outward - rail.sine)

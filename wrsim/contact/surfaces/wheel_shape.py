@@ -17,13 +17,12 @@ from typing import NamedTuple
 
 from wrsim.contact.records import PlacedWheel, Shape
 from wrsim.contact.surfaces.profile_table import ProfilePoint
-from wrsim.contact.surfaces.rail import MEAN_GAP
+from wrsim.contact.surfaces.rail import LARGEST_SINE, MEAN_GAP
 from wrsim.jit import inlined, kernel
 from wrsim.jit.curves import hermite
 from wrsim.jit.root import Bracket, crossing, narrowed
 
 STEEPEST = 20.0  # slope of rho over u that is followed
-LARGEST_SINE = 0.7  # as in search.locus
 LEAST = 0.1  # of a round wheel's curvature along the rail: flatter places count as that
 APART = 2.0  # rows of the table between two columns' places that are not one
 LEVEL = 5e-6  # below the highest row, by which one beside a higher place may lie [m]
