@@ -33,11 +33,15 @@ import llvmlite
 import numba
 from llvmlite import binding, ir
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+from numba.core.codegen import get_host_cpu_features
 from numba.core.runtime import rtsys
 
 from wrsim.system import NO_LINK
 
 CONFIG: Any = numba.config
+if CONFIG.CPU_NAME is None and CONFIG.CPU_FEATURES is None and binding.get_process_triple().startswith("x86_64"):
+    # LLVM gathers numbers where loops are vectors; one load each is faster (docs/developers/cost.md)
+    CONFIG.CPU_FEATURES = ",".join(filter(None, [get_host_cpu_features(), "+prefer-no-gather"]))
 LOGGER = logging.getLogger("wrsim.cache")
 
 PLAIN = os.environ.get("WRSIM_PLAIN_NUMBA", "0") not in ("", "0")
