@@ -15,6 +15,7 @@ from wrsim.results.table import Column, Table, formatted
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.steady import SteadyPlan
+from wrsim.track.path import COLUMNS
 from wrsim.vehicle.plausibility import HIGHEST, doubts
 from wrsim.vehicle.plausible_values import value_doubts
 from wrsim.vehicle.speed import SpeedProfile
@@ -39,6 +40,9 @@ MOST_FRICTION = 1.0
 """Coefficient of friction: dry steel on steel has 0.5 to 0.7, sanded up to 0.8."""
 SHORTEST_STEP = 20e-6
 """Step [s] below that of rk44 in its hardest case, 26 us at 1 m/s (``simulation.step_size``)."""
+MOST_BENT = 0.15
+"""Curvature of a rail along the track over the wheel's: a contact pressed as deep bears some 5 % more or less there,
+3 to 6 % on the tread of S1002 on 60E1."""
 PEAK, PEAK_REACH, WIDE = 1.3e-3, 10e-3, 90e-3
 """How far a flange falls from its tip within 10 mm to both sides, on a profile wider than 90 mm [m]: with its radius of
 12 to 20 mm 2.7 mm and more, the crown of a rail (80 mm and more) up to 0.63 mm; 1.3 mm is their geometric mean."""
@@ -58,6 +62,7 @@ def warnings(setup: Setup) -> list[str]:
 def run_doubts(setup: Setup) -> Iterator[str]:
     """One sentence for every implausible value."""
     yield from _curve_doubts(setup)
+    yield from _bridged(setup)
     laws = [each.laws if isinstance(each, FrictionAlong) else [each] for each in setup.contact.friction]
     largest = max(max(law.static, law.at_corner) for law in map(Friction.of, chain(*laws)))
     if largest > MOST_FRICTION and setup.conical is None:
@@ -96,6 +101,21 @@ def _curve_doubts(setup: Setup) -> Iterator[str]:
             where = "" if places is None else f", at {places[k]:.5g} m"
             curve = f"R {abs(1.0 / curvatures[k]):.4g} m, {3.6 * speeds[k]:.4g} km/h{where}"
             yield f"track: {1e3 * values[k]:.4g} mm of {what} ({curve}); {hint}"
+
+
+def _bridged(setup: Setup) -> Iterator[str]:
+    """Where irregularities bend a rail so much along the track that a wheel's contact is another one."""
+    plan, wheels = setup.plan, setup.vehicle.wheelsets
+    if not isinstance(plan, RunPlan) or not setup.track.is_uneven or not wheels:
+        return
+    round_by = 1.0 / max(mounted.wheelset.mean_radius for mounted in wheels)
+    for side, path in (("left", setup.track.left), ("right", setup.track.right)):
+        up = path.table[:, COLUMNS.index("kz")]
+        k = int(np.argmax(up if up.max() > round_by else np.abs(up)))
+        if abs(up[k]) > MOST_BENT * round_by:
+            what = "is more hollow than a wheel, which bridges it" if up[k] > round_by else "bends under the contact"
+            bend = f"{up[k]:.3g} 1/m at {k * path.step:.5g} m of the {side} rail, of {round_by:.3g} 1/m of a wheel"
+            yield f"track.irregularities: the rail {what} ({bend}); contacts take it as straight: use rail_sections"
 
 
 def _peaks(rail: Profile) -> bool:
