@@ -98,16 +98,21 @@ def _set_plain_pairs(wheel: PlacedWheel, rail: Rail, arcs: Array, places: Array,
         _set_pair(out, j, _pair_of(w, r, LEVEL, along_rail(rail, LEVEL, r, w.x, w.to_axle)))
 
 
-@kernel
-def _opposites(wheel: PlacedWheel, rail: Rail, spacing: float, work: Array, n: int) -> Opposite:
-    """Pairs at rising places on the rail, ``work[1]``, of the wheel's points near those in ``work[0]``, which are
-    brought opposite, (n,); what is behind these is scratch. Where profiles bend sharply the locus may run along the
-    rail ten times as fast as across, and pairs are computed once more."""
-    arcs, places = work[0, :n], work[1, :n]
-    out = Opposite(
+@inlined
+def _pairs(work: Array, n: int) -> Opposite:
+    """What ``_find_pairs`` leaves, arrays (n,)."""
+    return Opposite(
         work[2, :n], work[3, :n], work[4, :n], work[5, :n], work[6, :n], work[7, :n], work[8, :n], work[9, :n],
         work[10, :n], work[11, :n], work[12, :n],
     )  # fmt: skip
+
+
+@kernel
+def _find_pairs(wheel: PlacedWheel, rail: Rail, spacing: float, work: Array, n: int) -> None:
+    """Find pairs at rising places on the rail, ``work[1]``, of the wheel's points near those in ``work[0]``, which are
+    brought opposite, (n,): ``_pairs``. Where profiles bend sharply the locus may run along the rail ten times as fast
+    as across, and pairs are computed once more."""
+    arcs, places, out = work[0, :n], work[1, :n], _pairs(work, n)
     plain = wheel.lean != 0.0 and wheel.roller == 0.0 and not changes(rail)
     plain = plain and places[0] > 0.0 and places[n - 1] < rail_length(rail)
     for _ in range(ROUNDS):
@@ -123,7 +128,6 @@ def _opposites(wheel: PlacedWheel, rail: Rail, spacing: float, work: Array, n: i
             farthest = max(farthest, abs(before))
         if farthest <= MAX_AHEAD * spacing:
             break
-    return out
 
 
 @kernel
@@ -174,7 +178,8 @@ def sample_rows(wheel: PlacedWheel, rail: Rail, grid: Record, rows: Records, wor
     for r in range(ROWS):
         s = work[1, r] = grid.least + r * h
         work[0, r] = grid.arc_wheel + (s - grid.arc_rail - pair.ahead) * pair.shrink
-    out = _opposites(wheel, rail, h, work, ROWS)
+    _find_pairs(wheel, rail, h, work, ROWS)
+    out = _pairs(work, ROWS)
     for r in range(ROWS):
         row = rows[r]
         row.s, row.arc_wheel, row.d, row.x, row.o = work[1, r], work[0, r], out.d[r], out.x[r], out.o[r]
@@ -305,7 +310,8 @@ def place_grid_strips(
             rows[c - 1].curvature, rows[c].curvature, rows[c + 1].curvature, rows[c + 2].curvature, t, h
         )
         place.x, place.x_s = _cubic(rows[c - 1].x, rows[c].x, rows[c + 1].x, rows[c + 2].x, t, h)
-    out = _opposites(wheel, rail, h, work, n)
+    _find_pairs(wheel, rail, h, work, n)
+    out = _pairs(work, n)
     for j in range(n):
         place = places[j]
         place.d, place.d_s, place.no, place.nb = out.d[j], out.d_s[j], out.no[j], out.nb[j]
