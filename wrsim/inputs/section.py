@@ -288,9 +288,6 @@ class Section(BaseModel):
         return f"unknown key; {cls.header} takes " + ", ".join(allowed), None
 
 
-Section.__annotations__.clear()  # of class variables, known by now: pydantic would read them again for every table
-
-
 class Choice(Section):
     """Base of tables of several kinds, by the value of one key; a subclass names its own: ``kind="arc"``."""
 
