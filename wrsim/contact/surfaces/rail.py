@@ -251,8 +251,8 @@ class Heading(NamedTuple):
 
 class Row(NamedTuple):
     """State of a row at some distance ahead, in axes turned by a heading: place ahead; point (u, w) lowered by the
-    wheel's drop, tangent; along the track the rates of place, point and tangent without the drop's, second derivative
-    of the point; how fast the lowered point still rises along its normal."""
+    wheel's drop, tangent; along the track the rates of place and point without the drop's; how fast the lowered point
+    still rises along its normal."""
 
     ahead: float
     u: float
@@ -262,18 +262,14 @@ class Row(NamedTuple):
     da: float
     du: float
     dw: float
-    ddu: float
-    ddw: float
-    dtu: float
-    dtw: float
     miss: float
 
 
 @inlined
-def _cubic(c: Array, i: int, row: int, column: int, x: float) -> tuple[float, float, float]:
-    """Value and two derivatives of a cubic of interval i."""
+def _cubic(c: Array, i: int, row: int, column: int, x: float) -> tuple[float, float]:
+    """Value and slope of a cubic of interval i."""
     c3, c2, c1, c0 = c[0, i, row, column], c[1, i, row, column], c[2, i, row, column], c[3, i, row, column]
-    return c0 + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + 3.0 * x * c3), 2.0 * c2 + 6.0 * x * c3
+    return c0 + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + 3.0 * x * c3)
 
 
 @inlined
@@ -285,23 +281,22 @@ def _lowered_row(
     inside = min(max(at, knots[0]), knots[knots.size - 1])
     beyond = at - inside
     y = inside - knots[i]
-    u, du, ddu = _cubic(c, i, row, 0, y)
-    w, dw, ddw = _cubic(c, i, row, 1, y)
-    tu, dtu, _ = _cubic(c, i, row, 2, y)
-    tw, dtw, _ = _cubic(c, i, row, 3, y)
+    u, du = _cubic(c, i, row, 0, y)
+    w, dw = _cubic(c, i, row, 1, y)
+    tu, tw = _cubic(c, i, row, 2, y)[0], _cubic(c, i, row, 3, y)[0]
     if beyond != 0.0:
-        du = dw = ddu = ddw = dtu = dtw = 0.0
+        du = dw = 0.0
         if (beyond < 0.0 and ends[0] > 0.0) or (beyond > 0.0 and ends[1] > 0.0):
             w -= FALL * abs(beyond)
             dw = -FALL if beyond > 0.0 else FALL
     ahead, da = x * heading.cosine + u * heading.sine, heading.cosine + du * heading.sine
     u, du = u * heading.cosine - x * heading.sine, du * heading.cosine - heading.sine
-    tu, dtu, ddu = tu * heading.cosine, dtu * heading.cosine, ddu * heading.cosine
+    tu *= heading.cosine
     length = sqrt(tu * tu + tw * tw)
     tu, tw = tu / length, tw / length
     root = sqrt(radius * radius - ahead * ahead)
     miss = -tw * du + tu * (dw - ahead / root * da)
-    return Row(ahead, u, w - (radius - root), tu, tw, da, du, dw, ddu, ddw, dtu / length, dtw / length, miss)
+    return Row(ahead, u, w - (radius - root), tu, tw, da, du, dw, miss)
 
 
 @inlined
