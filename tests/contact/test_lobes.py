@@ -11,7 +11,7 @@ from wrsim.contact.model import EPSILON
 from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.profiles.sections import ProfileArc, cone, profile_from_sections
 from wrsim.contact.profiles.wear import Removal, worn
-from wrsim.contact.records import FOUND, LOBE
+from wrsim.contact.records import LOBE, MAIN_POINT
 from wrsim.contact.search.lobes import couple, select_deepest
 from wrsim.contact.tables import combined_modulus
 
@@ -21,7 +21,7 @@ shares = st.floats(0.0, 1.0)
 
 def found_rows(depth, saddle):
     """Rows of the search from depths and the saddles between them (below zero: separated)."""
-    rows = np.zeros(8, FOUND)
+    rows = np.zeros(8, MAIN_POINT)
     rows["depth"][: len(depth)] = depth
     rows["saddle"] = -1.0
     rows["saddle"][: len(saddle)] = saddle

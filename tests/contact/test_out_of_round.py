@@ -156,7 +156,7 @@ def test_the_search_finds_what_the_exact_gap_shows():
     exact = contact_model(WHEEL, RAIL, R, settings, out_of_round=parts)
     for angle, yaw in ((0.03, 0.008),):
         contact = touched(exact, wheel_angle=angle, yaw=yaw, height=R - 2.5e-4)
-        deepest = exact.arrays.found["depth"].max()
+        deepest = exact.arrays.contacts["depth"].max()
         assert_allclose(contact.patches["approach"].max(), deepest, rtol=2e-3)
         assert contact.status == 0
 

@@ -59,7 +59,7 @@ def test_the_same_pose_gives_the_same_numbers_whatever_came_before(state):
     model, contact = press(state)
     pose = model.arrays.pose.copy()
     rows = model.arrays.rows
-    for array in (rows.work, rows.found, rows.patches, rows.strips, rows.total):
+    for array in (rows.work, rows.contacts, rows.patches, rows.strips, rows.total):
         array.view(np.float64)[:] = np.nan
     again = model.evaluate(pose[:3], pose[3:6], pose[6:9], pose[9:])
     np.testing.assert_array_equal(again.force, contact.force)

@@ -650,7 +650,7 @@ def test_a_hump_beyond_a_gap_has_strips_of_its_own(yaw):
 def test_force_does_not_jump_where_the_gap_between_two_lobes_opens():
     # what a third one does to the second reaches the first while they hang together (0.02 of the load)
     stand = contacts.bench(contacts.pair_model("S1002/60E1 1:20", **STRIPS, **contacts.PLAIN), rolling=False)
-    found, force = stand.wheels[0].model.arrays.found, []
+    found, force = stand.wheels[0].model.arrays.contacts, []
     for height in (0.459793312, 0.459793314):
         stand.evaluate(6.3e-3, height, -12.822652e-3, 0.0)
         force.append(stand.force[2])

@@ -119,7 +119,7 @@ def test_what_the_flange_loses_is_told_apart() -> None:
 def test_wear_lies_where_the_contact_is() -> None:
     """What is worn off lies within the patches on both profiles, to the width of the places."""
     found, _ = losses(5.0)
-    lobes = found._samples["lobes"].view(LOBE)[0, : found._samples["found"][0]]
+    lobes = found._samples["lobes"].view(LOBE)[0, : found._samples["count"][0]]
     channels = found.channels()
     model = found.wheels[0][0].model
     for name, profile, arc, depth in (

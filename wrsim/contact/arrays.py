@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from wrsim.contact.records import CALL, FOUND, LOBE, MODEL, STATE, STRIP, TOTAL
+from wrsim.contact.records import CALL, LOBE, MAIN_POINT, MODEL, STATE, STRIP, TOTAL
 from wrsim.contact.strips.records import GRID, MEMO, PLACE, ROW
 from wrsim.jit import Array, Ints, Record, Records, block, inlined, kernel, matrix, record_rows, records, vector
 
@@ -25,7 +25,7 @@ class Arrays(NamedTuple):
     call: Any  # (1,) CALL
     pose: Any  # (POSE,)
     state: Any  # (1,) STATE
-    found: Any  # (8,) FOUND: what the search found
+    contacts: Any  # (8,) MAIN_POINT: of the search
     patches: Any  # (lobes,) LOBE: result
     strips: Any  # (lobes, n) STRIP: result
     work: Any  # (SCRATCH, >= strips, >= 8) scratch; with lobes * cells rows more for tractions over their bound, and
@@ -67,7 +67,7 @@ def arrays(buffer: Array, index: Ints) -> Arrays:
         records(buffer, index, first + 8, CALL),
         vector(buffer, index, first + 9),
         records(buffer, index, first + 10, STATE),
-        records(buffer, index, first + 11, FOUND),
+        records(buffer, index, first + 11, MAIN_POINT),
         records(buffer, index, first + 12, LOBE),
         record_rows(buffer, index, first + 13, STRIP),
         matrix(buffer, index, first + 14),

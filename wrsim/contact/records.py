@@ -95,7 +95,7 @@ POSES = 7
 COLD_START, FROM_LAST = range(2)
 """STATE.start of the strip model: cold, or from the last contact."""
 
-FOUND = record("""
+MAIN_POINT = record("""
     arc_wheel   [m]    arclength on the wheel
     arc_rail    [m]    arclength on the rail
     depth       [m]    penetration

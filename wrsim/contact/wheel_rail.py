@@ -135,11 +135,11 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
     count, status = _search(a, wheel, rail)
     if count == 0:
         return status
-    count = select_deepest(a.found, count, lobes.shape[0])
-    couple(a.found, count, model.eps, lobes)
+    count = select_deepest(a.contacts, count, lobes.shape[0])
+    couple(a.contacts, count, model.eps, lobes)
     for i in range(count):
-        status |= _start_lobe(wheel, rail, a.found[i], lobes[i])
-    _group(a.found, model.eps, lobes, count)
+        status |= _start_lobe(wheel, rail, a.contacts[i], lobes[i])
+    _group(a.contacts, model.eps, lobes, count)
     a.total[0].lobes = count
     a.memo[0].traction_pass = 0
     pressed = stages.run(model.normal, buffer, index)
@@ -187,16 +187,16 @@ def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
         find_branches(wheel)
     first = int(a.stations[1, rail.share.at]) * model.field_rows
     field = Field(a.field, first, model.field_rows, model.field_o, model.field_b, model.field_spacing, model.slack)
-    count, closest, status = find_contacts(wheel, rail, field, model.stride, model.hollow, a.found)
+    count, closest, status = find_contacts(wheel, rail, field, model.stride, model.hollow, a.contacts)
     total.closest = closest
     deepest = 0.0
     for i in range(count):
-        deepest = max(deepest, a.found[i].depth)
+        deepest = max(deepest, a.contacts[i].depth)
     if closest < -deepest - NEAR:  # deepest where a profile ends: no contact is there
         status |= STATUS_PROFILE_END
     total.status = status
     if a.depth.shape[0] > 0 and count > 0:
-        a.call[0].averaged = _length(wheel, a.found, count)
+        a.call[0].averaged = _length(wheel, a.contacts, count)
     return count, status
 
 
@@ -267,7 +267,7 @@ def free_strips(buffer: Array, index: Ints) -> int:
     a = arrays(buffer, index)
     wheel, rail, pose = place_bodies(a)
     system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
-    status = solve_pressure(system, a.model[0], a.state[0], pose, a.found, a.patches, a.strips, a.total[0].lobes)
+    status = solve_pressure(system, a.model[0], a.state[0], pose, a.contacts, a.patches, a.strips, a.total[0].lobes)
     if status & STATUS_NOT_CONVERGED:
         status |= _press_by_overlap(a)
     return status
@@ -280,8 +280,8 @@ def _press_by_overlap(a: Arrays) -> int:
     wheel, rail, pose = place_bodies(a)
     status = 0
     for i in range(count):
-        left, right = distance_to_saddles(a.found, i, count)
-        status |= bound_lobe(wheel, rail, model, a.found, i, left, right, lobes)
+        left, right = distance_to_saddles(a.contacts, i, count)
+        status |= bound_lobe(wheel, rail, model, a.contacts, i, left, right, lobes)
     for i in range(count):
         build_strips(wheel, rail, model, lobes, count, i, a.strips[i])
     press_lobes(model, pose, lobes, a.strips, count, a.work)

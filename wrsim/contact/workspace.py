@@ -96,7 +96,7 @@ class KernelArrays:
         self.inputs: Any = self.rows.call[0]
         self.pose: Array = self.rows.pose
         self.state: Any = self.rows.state[0]
-        self.found: Records = self.rows.found
+        self.contacts: Records = self.rows.contacts
         self.patches: Records = self.rows.patches
         self.strips: Records = self.rows.strips
         self.total: Any = self.rows.total[0]
@@ -125,7 +125,7 @@ class KernelArrays:
         return int(wheel_rail(self.buffer, self.index))
 
     def search(self) -> tuple[int, int]:
-        """Look for contacts at the pose that is set, see ``found``; returns their number and the status."""
+        """Look for contacts at the pose that is set, see ``contacts``; returns their number and the status."""
         count, status = search(self.buffer, self.index)
         return int(count), int(status)
 

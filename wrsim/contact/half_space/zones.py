@@ -86,8 +86,8 @@ def find_footprints(model: ContactModel, settings: HalfSpaceSettings) -> tuple[l
     def free(start: float, end: float) -> bool:
         return all(end < lo or start > hi for lo, hi in taken)
 
-    for i in np.argsort(-a.found["depth"][:count]):
-        contact: Any = a.found[i]
+    for i in np.argsort(-a.contacts["depth"][:count]):
+        contact: Any = a.contacts[i]
         if free(contact.arc_wheel, contact.arc_wheel):
             axis = Axis(bodies, float(contact.arc_wheel), float(contact.arc_rail), settings.pairing == "level")
             footprint, reached = _look(axis, float(contact.depth), float(contact.curvature), settings, free)

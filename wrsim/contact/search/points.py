@@ -275,7 +275,7 @@ def find_contacts(
     """All local maxima of the interpenetration, in order along the wheel profile (docs/theory/search.md).
 
     stride: nodes between two samples near the rail; hollow: largest concave curvatures of both bodies together [1/m].
-    contacts: (n,) FOUND records. Returns their number, the smallest distance met and a status: EXACT or ROUGH."""
+    contacts: (n,) MAIN_POINT records. Returns their number, the smallest distance met and a status: EXACT or ROUGH."""
     step, rail_end = wheel.profile.step, rail_length(rail)
     hollow *= 1.0 + (wheel.axle.x / YAW_HOLLOWS) ** 2
     per_node = 1.0 / (STRETCH * step)

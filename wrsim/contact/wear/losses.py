@@ -68,7 +68,7 @@ class Rows:
 def _rows(samples: Records, radii: Array) -> Rows:
     """All strips with a load, of what `Losses.store` has copied; radii: of the wheels [m]."""
     lobes, strips, wheel = samples["lobes"].view(LOBE), samples["strips"].view(STRIP), samples["wheel"]
-    there = (np.arange(lobes.shape[1]) < samples["found"][:, None]) & (lobes["N"] > 0.0)
+    there = (np.arange(lobes.shape[1]) < samples["count"][:, None]) & (lobes["N"] > 0.0)
     used = there[..., None] & (np.arange(strips.shape[2]) < lobes["n_strips"][..., None])
     sample, at, _ = np.nonzero(used)
     strip = strips[used]
@@ -124,7 +124,7 @@ class Losses:
         a = wheels[0][0].model.arrays  # those of all wheels have one shape
         # records as plain numbers: numpy copies them a hundred times as fast
         kind: Any = [("lobes", "f8", a.patches.view("f8").shape), ("strips", "f8", a.strips.view("f8").shape)]
-        kind += [("pose", "f8", POSE), ("way", "f8"), ("found", "i8"), ("wheel", "i8")]
+        kind += [("pose", "f8", POSE), ("way", "f8"), ("count", "i8"), ("wheel", "i8")]
         self._samples, self._count = np.zeros(max(ROOM // a.strips.nbytes, 1), kind), 0
 
     def store(self, wheelset: int, sample: int, contacts: Sequence[tuple[Records, Records, Array, int]]) -> None:
