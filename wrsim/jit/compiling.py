@@ -28,6 +28,7 @@ from functools import cached_property
 from typing import Any, TypeVar
 
 import numba
+from llvmlite import binding
 from numba import prange as prange
 from numba.core import compiler, event, sigutils, types, typing
 from numba.core.codegen import JITCodeLibrary
@@ -111,6 +112,19 @@ class EntryLibrary(InlinedLibrary):
             environment = lookup_environment(variable.name)
             if environment is not None:
                 self.codegen.set_env(variable.name, environment)
+
+    def _optimize_final_module(self) -> None:
+        """Drop arguments of parts that nothing reads, too: a call takes seven words of an array or more, on the stack."""
+        super()._optimize_final_module()
+        for function in self._final_module.functions:
+            if function.linkage == binding.Linkage.linkonce_odr:
+                function.linkage = "internal"
+        passes, builder = binding.create_new_module_pass_manager(), self.codegen._pass_builder()
+        passes.add_ipsccp_pass()
+        passes.add_dead_arg_elimination_pass()
+        passes.add_instruction_combine_pass()
+        passes.add_simplify_cfg_pass()
+        passes.run(self._final_module, builder)
 
 
 class Compiler(_FunctionCompiler):
