@@ -114,7 +114,7 @@ class EntryLibrary(InlinedLibrary):
                 self.codegen.set_env(variable.name, environment)
 
     def _optimize_final_module(self) -> None:
-        """Drop arguments of parts that nothing reads, too: a call takes seven words of an array or more, on the stack."""
+        """Drop arguments of parts that nothing reads, too: an array is passed as seven words or more, on the stack."""
         super()._optimize_final_module()
         for function in self._final_module.functions:
             if function.linkage == binding.Linkage.linkonce_odr:
