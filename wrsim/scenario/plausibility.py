@@ -9,6 +9,7 @@ import numpy as np
 from wrsim.contact.profiles.files import notes_of
 from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import Friction, FrictionAlong
+from wrsim.contact.surfaces.rail_surface import INNERMOST
 from wrsim.register import ANALYSES
 from wrsim.results.dataset import ASSUMPTIONS
 from wrsim.results.table import Column, Table, formatted
@@ -43,6 +44,9 @@ SHORTEST_STEP = 20e-6
 MOST_BENT = 0.15
 """Curvature of a rail along the track over the wheel's: a contact pressed as deep bears some 5 % more or less there,
 3 to 6 % on the tread of S1002 on 60E1."""
+MOST_ASKEW = 7e-3
+"""Slope in plan of a check rail's working face: a flange that is yawed by 10 mrad presses on one of 6:1 by 4 % too much
+with 7 mm per metre, by 16 % with 9 (docs/theory/surfaces.md)."""
 PEAK, PEAK_REACH, WIDE = 1.3e-3, 10e-3, 90e-3
 """How far a flange falls from its tip within 10 mm to both sides, on a profile wider than 90 mm [m]: with its radius of
 12 to 20 mm 2.7 mm and more, the crown of a rail (80 mm and more) up to 0.63 mm; 1.3 mm is their geometric mean."""
@@ -63,6 +67,7 @@ def run_doubts(setup: Setup) -> Iterator[str]:
     """One sentence for every implausible value."""
     yield from _curve_doubts(setup)
     yield from _bridged(setup)
+    yield from _askew(setup)
     laws = [each.laws if isinstance(each, FrictionAlong) else [each] for each in setup.contact.friction]
     largest = max(max(law.static, law.at_corner) for law in map(Friction.of, chain(*laws)))
     if largest > MOST_FRICTION and setup.conical is None:
@@ -116,6 +121,21 @@ def _bridged(setup: Setup) -> Iterator[str]:
             what = "is more hollow than a wheel, which bridges it" if up[k] > round_by else "bends under the contact"
             bend = f"{up[k]:.3g} 1/m at {k * path.step:.5g} m of the {side} rail, of {round_by:.3g} 1/m of a wheel"
             yield f"track.irregularities: the rail {what} ({bend}); contacts take it as straight: use rail_sections"
+
+
+def _askew(setup: Setup) -> Iterator[str]:
+    """Where a check rail's flare is so sharp that a yawed flange presses on it too much."""
+    for side, surface in zip(("left", "right"), setup.surfaces, strict=True):
+        for piece in surface.pieces if surface and setup.conical is None else ():
+            middles = 0.5 * (piece.spline.x[1:] + piece.spline.x[:-1])
+            u, _w, tu, tw = np.moveaxis(piece.spline(middles), -1, 0)
+            face = (u < INNERMOST) & (np.abs(tw) > np.abs(tu))
+            slopes = np.where(face, np.abs(piece.spline(middles, 1)[:, :, 0]), 0.0).max(axis=1)
+            k = int(np.argmax(slopes))
+            if slopes[k] > MOST_ASKEW:
+                flare = f"{1e3 * slopes[k]:.3g} mm per metre at {middles[k]:.5g} m of the {side} rail"
+                error = "a yawed flange presses on it too much, by 16 % with 9 mm per metre and 10 mrad"
+                yield f"track.rail_sections: a check rail's face runs aside by {flare}: {error}"
 
 
 def _peaks(rail: Profile) -> bool:
