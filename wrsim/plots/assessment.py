@@ -95,7 +95,7 @@ def history_figure(assessment: Assessment, run: str = "") -> Figure:
             values = np.where(np.isfinite(values), values, np.nan) * factor
             axes.plot(place, values, color=colour, linestyle=GROUP_LINE[i % len(GROUP_LINE)], linewidth=0.9)
         limited = [v for quantity in quantities for v in assessment.of(quantity) if v.section.run == run]
-        _draw_limits(axes, limited, factor, both=name == "sum_Y")
+        _draw_limits(axes, limited, factor, two_sided=name == "sum_Y")
         axes.set(
             xlabel="Distance along the track [m]", ylabel=label.format(**signals.attrs), xlim=(place[0], place[-1])
         )
@@ -136,7 +136,7 @@ def track_diagram(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> F
     return panels("", [draw], 42.0)
 
 
-def _draw_limits(axes: Axes, values: Sequence[Value], factor: float, *, both: bool) -> None:
+def _draw_limits(axes: Axes, values: Sequence[Value], factor: float, *, two_sided: bool) -> None:
     """Limits as red lines over their sections, where the picture stays readable with them; else in words."""
     limits = [(v.section, v.limit.value * factor, "nadal" in v.quantity.key) for v in values if v.limit is not None]
     reach = max(abs(y) for y in axes.get_ylim())
@@ -144,11 +144,11 @@ def _draw_limits(axes: Axes, values: Sequence[Value], factor: float, *, both: bo
     if least > 6.0 * reach:
         corner: Any = {"xycoords": "axes fraction", "ha": "right", "va": "bottom", "color": STOP_COLOUR}
         shown = values[0].quantity.shown
-        label = f"limit {'±' if both else ''}{formatted(least / shown.factor * converted(shown).factor, '.3g')}"
+        label = f"limit {'±' if two_sided else ''}{formatted(least / shown.factor * converted(shown).factor, '.3g')}"
         note(axes, label, (1.0, 1.0), (0.0, 1.5), **corner)
         return
     for section, limit, nadal in limits:
-        for y in (limit, -limit) if both else (limit,):
+        for y in (limit, -limit) if two_sided else (limit,):
             look = NADAL_LINE if nadal else {}
             axes.plot([section.start, section.end], [y, y], color=STOP_COLOUR, linewidth=0.9, zorder=2.2, **look)
 

@@ -40,8 +40,8 @@ def _rails(axes: Axes, dataset: xr.Dataset) -> None:
             axes.plot(place, shape, color=WHEEL_COLOUR[side], label=f"{side} rail")
     places, station = dataset["wheelset_distance"].values, float(dataset.attrs["bent_at_m"])
     first = [str(name) for name in wheelsets(dataset)].index(str(dataset.attrs["bent_by"]).rpartition(" ")[0])
-    for other in places.T:
-        wheel = float(np.interp(station, places[:, first], other))
+    for distances in places.T:
+        wheel = float(np.interp(station, places[:, first], distances))
         axes.axvline(wheel, color=QUIET, linewidth=0.5, zorder=1.2)
     axes.set(xlabel="Distance along the track [m]", ylabel="Rail, up [mm]")
     axes.legend(loc="lower right")

@@ -148,8 +148,8 @@ def _placed(dataset: xr.Dataset, first: xr.Dataset, reference: int, wheel: str) 
 def _arc(dataset: xr.Dataset, where: PatchAt) -> float:
     """Arclength on the rail's outline of the place where a patch has s = 0 [mm]."""
     strips = select(dataset, where)
-    here = dataset.sel(wheel=where.wheel).isel({moment_dim(dataset): where.moment})
-    y, z = (shown(here, f"rail_profile_{n}") for n in ("y", "z"))
+    section = dataset.sel(wheel=where.wheel).isel({moment_dim(dataset): where.moment})
+    y, z = (shown(section, f"rail_profile_{n}") for n in ("y", "z"))
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(z)))])
     middle = int(np.argmin(np.abs(strips.variables["strip_s"])))
     point = shown(strips, "strip_y")[middle], shown(strips, "strip_z")[middle]

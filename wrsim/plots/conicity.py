@@ -128,6 +128,6 @@ def conicity_map_figure(conicity: ConicityMap, title: str) -> Figure:
 
     if len(labels) > LINES:
         return panels(title, [rows], 45.0 + 6.0 * len(labels))
-    both = ((conicity.conicity, at_3mm, 0.0), (conicity.nonlinearity, "nonlinearity parameter [1/mm]", None))
-    draws = [partial(lines, values=values, ylabel=label, bottom=bottom) for values, label, bottom in both]
+    quantities = ((conicity.conicity, at_3mm, 0.0), (conicity.nonlinearity, "nonlinearity parameter [1/mm]", None))
+    draws = [partial(lines, values=values, ylabel=label, bottom=bottom) for values, label, bottom in quantities]
     return panels(title, draws, 120.0, legend=None if len(labels) > 1 else ())

@@ -99,9 +99,9 @@ def patches_in(dataset: xr.Dataset, columns: Sequence[GalleryColumn]) -> dict[tu
 
 def selection_note(dataset: xr.Dataset, chosen: Sequence[int]) -> str:
     """How many of the moments that have patches are drawn, where it is not all of them; on a line of its own."""
-    there = int(with_patches(dataset).sum())
-    what = "moments" if moment_dim(dataset) == "snapshot" else "poses"
-    return f"\n{len(chosen)} of {there} {what}; any other: wrsim plot --at." if len(chosen) < there else ""
+    count = int(with_patches(dataset).sum())
+    noun = "moments" if moment_dim(dataset) == "snapshot" else "poses"
+    return f"\n{len(chosen)} of {count} {noun}; any other: wrsim plot --at." if len(chosen) < count else ""
 
 
 @theme.style()

@@ -61,8 +61,8 @@ def scatter_figure(title: str, shown: Mapping[str, tuple[Array, Array]], groups:
         for name in dict.fromkeys(groups[label]):
             members = np.array(groups[label]) == name
             axes.plot(measured[members], model[members], "o", markersize=2.8, color=colour[name], alpha=0.8)
-        both = np.concatenate([measured, model])
-        low, high = both.min() - 0.05 * np.ptp(both), both.max() + 0.05 * np.ptp(both)
+        values = np.concatenate([measured, model])
+        low, high = values.min() - 0.05 * np.ptp(values), values.max() + 0.05 * np.ptp(values)
         axes.plot([low, high], [low, high], color=QUIET, linewidth=0.8)
         axes.set(xlabel=f"{label}, measured", ylabel="model")
 

@@ -123,15 +123,15 @@ def pose_abscissa(dataset: xr.Dataset) -> str:
 def pose_groups(dataset: xr.Dataset) -> list[tuple[str, NDArray[np.intp]]]:
     """Poses that make one line: label and indices in the order of the horizontal axis."""
     across = pose_abscissa(dataset)
-    others = [n for n in ABSCISSAE if n in dataset and n != across and np.ptp(dataset[n].values) > 0.0]
+    parameters = [n for n in ABSCISSAE if n in dataset and n != across and np.ptp(dataset[n].values) > 0.0]
     x = dataset[across].values
-    if not others:
+    if not parameters:
         return [("", np.argsort(x, kind="stable"))]
-    keys = np.column_stack([np.round(shown(dataset, n), 9) for n in others])
+    keys = np.column_stack([np.round(shown(dataset, n), 9) for n in parameters])
     groups = []
     for key in np.unique(keys, axis=0):
         member = np.flatnonzero((keys == key).all(axis=1))
-        pairs = [(CHANNELS[n], value) for n, value in zip(others, key.tolist(), strict=True)]
+        pairs = [(CHANNELS[n], value) for n, value in zip(parameters, key.tolist(), strict=True)]
         values = (f"${c.symbol}$ = " * bool(c.symbol) + quantity(value, c.shown.symbol) for c, value in pairs)
         groups.append((minus(", ".join(values)), member[np.argsort(x[member], kind="stable")]))
     return groups

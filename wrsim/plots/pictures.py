@@ -52,11 +52,11 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     return of_vehicle | {f"{folder}{name}": make for name, make in of_worst.items()}
 
 
-def wheelset_figures(one: xr.Dataset, drawn: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+def wheelset_figures(data: xr.Dataset, drawn: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of one wheelset of which there are data, by file name without ending: histories of runs,
     contacts over poses, patches and sections of both. drawn: what histories are drawn of."""
     figures: dict[str, Callable[[], Figure]] = {}
-    if is_history(one):
+    if is_history(data):
         if set(ANGLES) <= set(drawn):
             figures["overview"] = partial(overview_figure, drawn)
         for name, channels in HISTORIES.items():
@@ -66,14 +66,14 @@ def wheelset_figures(one: xr.Dataset, drawn: xr.Dataset) -> dict[str, Callable[[
         fast = [str(n) for n, variable in drawn.data_vars.items() if variable.dims[:1] == ("fast_time",)]
         if fast:
             figures["fast"] = partial(channels_figure, fast_of(drawn), [name.removeprefix("fast_") for name in fast])
-    elif one.sizes.get("pose", 0) > 1 and any(np.isfinite(one[name]).any() for name in PANELS if name in one):
-        figures["contact"] = partial(static_figure, one)
-    if has_patches(one):
-        figures["patches"] = partial(patch_gallery, one)
-        if has_outlines(one):
-            figures["sections"] = partial(section_gallery, one)
-    if has_subsurface(one):
-        figures["subsurface"] = partial(subsurface_figure, one)
+    elif data.sizes.get("pose", 0) > 1 and any(np.isfinite(data[name]).any() for name in PANELS if name in data):
+        figures["contact"] = partial(static_figure, data)
+    if has_patches(data):
+        figures["patches"] = partial(patch_gallery, data)
+        if has_outlines(data):
+            figures["sections"] = partial(section_gallery, data)
+    if has_subsurface(data):
+        figures["subsurface"] = partial(subsurface_figure, data)
     return figures
 
 
@@ -106,8 +106,8 @@ def picture(result: Result, names: Sequence[str], wheelset: str | None) -> Figur
     if not names:
         raise InputError("plot: this result has no pictures")
     several = len(wheelsets(chosen)) > 1 and any("wheelset" in chosen[name].dims for name in names)
-    one = result.wheelset() if several else of_wheelset(chosen, wheelsets(chosen)[0])
-    return static_figure(one, names) if "pose" in one.dims else channels_figure(enveloped(one, names), names)
+    data = result.wheelset() if several else of_wheelset(chosen, wheelsets(chosen)[0])
+    return static_figure(data, names) if "pose" in data.dims else channels_figure(enveloped(data, names), names)
 
 
 DRAWN = (("time",), *((sample, *rest) for sample in ("time", "pose") for rest in (("wheel",), ("wheel", "patch"))))

@@ -193,9 +193,9 @@ def draw_curvature(profile: Profile, axes: Axes) -> None:
     right.set_yscale("asinh", linear_width=1.0)
     radii = [sign * 1e3 / r for r in curvatures for sign in (-1.0, 1.0) if 1e3 / r <= max(reach)]
     right.set_yticks(radii, [formatted(1e3 / abs(c), ".0f") for c in radii])
-    for one in (axes, right):
-        one.minorticks_off()
-        one.set_ylim(-1.4 * reach[0], 1.4 * reach[1])
+    for axis in (axes, right):
+        axis.minorticks_off()
+        axis.set_ylim(-1.4 * reach[0], 1.4 * reach[1])
     right.set_ylabel("Radius [mm]")
     remark(axes, "positive: turns upward")
     axes.set_ylabel("Curvature [1/m]")

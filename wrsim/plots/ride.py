@@ -33,7 +33,7 @@ def ride_figures(ride: Ride) -> dict[str, Callable[[], Figure]]:
 
 def ride_figure(rides: Rides, picture: str) -> Figure:
     """One of ``PICTURES``: all directions against frequency."""
-    titles = "\n".join(dict.fromkeys(f"{one.title}: {one.stretch}" for one in rides.values()))
+    titles = "\n".join(dict.fromkeys(f"{ride.title}: {ride.stretch}" for ride in rides.values()))
     draws = [partial(ride_spectra, rides=rides, axis=axis, picture=picture) for axis in DIRECTIONS]
     figure = panels(titles, draws, 150.0, legend=None, across=5)
     frequency_ticks(figure.axes[-1])
@@ -59,8 +59,8 @@ def ride_spectra(axes: Axes, rides: Rides, axis: str, picture: str) -> None:
             data[across].values,
             data[name].sel(point=point, axis=axis).values,
         )
-        for run, one in rides.items()
-        for point, data in ((point, one.data) for point in one.points)
+        for run, ride in rides.items()
+        for point, data in ((point, ride.data) for point in ride.points)
     }
     over_frequency(axes, lines, lowest, decades, markersize)
 

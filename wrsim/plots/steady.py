@@ -38,16 +38,16 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
     else:
         x, label = shown(dataset, "cant_deficiency"), CHANNELS["cant_deficiency"].label
         series = np.stack([dataset["pose_cant"].values, radius], axis=1)
-    kinds, which = np.unique(series.round(9), axis=0, return_inverse=True)
+    kinds, kind_index = np.unique(series.round(9), axis=0, return_inverse=True)
     failed = dataset["pose_message"].values != ""
     names = map(str, dataset["wheelset"].values)
     entries = [Line2D([], [], color=c, marker="o", label=name) for name, c in zip(names, cycle(SERIES_COLOURS))]
     factor, unit = (3.6, "km/h") if by_curvature else (1.0, "m")
-    for (cant, other), line in zip(kinds.tolist() if len(kinds) > 1 else (), cycle(LINES)):
-        entry = f"{quantity(1e3 * cant, 'mm')}, {quantity(factor * other, unit, '.5g')}"
+    for (cant, parameter), line in zip(kinds.tolist() if len(kinds) > 1 else (), cycle(LINES)):
+        entry = f"{quantity(1e3 * cant, 'mm')}, {quantity(factor * parameter, unit, '.5g')}"
         entries.append(Line2D([], [], color=QUIET, linewidth=0.9, linestyle=line, label=entry))
 
-    members = [np.flatnonzero(which.ravel() == k) for k in range(len(kinds))]
+    members = [np.flatnonzero(kind_index.ravel() == k) for k in range(len(kinds))]
     lines = [(points[np.argsort(x[points])], line) for points, line in zip(members, cycle(LINES))]
     outer = (radius > 0.0).astype(int)  # the right wheel in curves to the left
 

@@ -48,8 +48,8 @@ def study_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
         makers["maps"] = partial(maps_figure, dataset, outputs, numeric[:2])
     if grids:
         makers["curves"] = partial(curves_figure, dataset, outputs, (numeric or grids)[0])
-    others = [str(n) for n, c in dataset.coords.items() if n not in dataset.dims and c.dtype.kind == "f"]
-    if sampled := [name for name in others if np.unique(dataset[name].values).size > 1]:
+    coordinates = [str(n) for n, c in dataset.coords.items() if n not in dataset.dims and c.dtype.kind == "f"]
+    if sampled := [name for name in coordinates if np.unique(dataset[name].values).size > 1]:
         makers["samples"] = partial(samples_figure, dataset, outputs, sampled[:MOST_KEYS])
     if (sensitivity := sensitivity_in(dataset)) and sensitivity["indices"]:
         makers["sensitivity"] = partial(sensitivity_figure, dataset, sensitivity)
@@ -235,13 +235,13 @@ def _figure(
     dataset: xr.Dataset,
     outputs: Sequence[str],
     draw: Callable[..., None],
-    what: str = "",
+    heading: str = "",
     legend: Sequence[Artist] = (),
 ) -> Figure:
     """A figure with a panel for every output, at most so many; what: of the values, in words."""
     drawn = outputs[:MOST_OUTPUTS]
     columns, note = min(ACROSS, len(drawn)), _note(dataset, outputs, drawn)
-    title = "; ".join(filter(None, (str(dataset.attrs["title"]), what)))
+    title = "; ".join(filter(None, (str(dataset.attrs["title"]), heading)))
     draws, height = [partial(draw, name=name) for name in drawn], 24.0 + PANEL * ceil(len(drawn) / columns)
     return panels(title, draws, height, columns=columns, share=False, legend=legend, across=8, note=note)
 

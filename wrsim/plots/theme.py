@@ -164,8 +164,8 @@ def _narrowing(family: str) -> float:
     if [family] == STYLE["font.family"]:
         return 1.0
     fonts = (FontProperties(family=[name]) for name in (*STYLE["font.family"], family))
-    narrow, other = (TextPath((0.0, 0.0), SAMPLE, 100, prop=font).get_extents().width for font in fonts)
-    return min(1.0, float(narrow / max(other, 1e-9)))
+    reference, width = (TextPath((0.0, 0.0), SAMPLE, 100, prop=font).get_extents().width for font in fonts)
+    return min(1.0, float(reference / max(width, 1e-9)))
 
 
 class Picture(Figure):

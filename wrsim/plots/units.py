@@ -57,7 +57,7 @@ def show_in_units(figure: Figure) -> None:
     }
     for axes in figure.axes:
         for direction in DIRECTIONS:
-            beside = (text for other, text in axis_texts[direction] if _aligned(axes, other, direction))
+            beside = (text for neighbour, text in axis_texts[direction] if _aligned(axes, neighbour, direction))
             _convert(getattr(axes, f"{direction}axis"), _text_of(axes, direction) or next(beside, ""))
     for text in figure.findobj(Text):
         if id(text) not in ticks | labels and isinstance(text, Text):
@@ -71,11 +71,11 @@ def _text_of(axes: Axes, direction: str) -> str:
     return label or (titles[0] if titles and direction == "y" else "")
 
 
-def _aligned(axes: Axes, other: Axes, direction: str) -> bool:
+def _aligned(axes: Axes, neighbour: Axes, direction: str) -> bool:
     """Whether panels lie in one row (y) or column (x): the first of them has the label for all."""
-    one, two = axes.get_position(original=True), other.get_position(original=True)
+    box, label_box = axes.get_position(original=True), neighbour.get_position(original=True)
     low, high = ("y0", "y1") if direction == "y" else ("x0", "x1")
-    return bool(getattr(two, low) < 0.5 * (getattr(one, low) + getattr(one, high)) < getattr(two, high))
+    return bool(getattr(label_box, low) < 0.5 * (getattr(box, low) + getattr(box, high)) < getattr(label_box, high))
 
 
 def _convert(axis: Axis, label: str) -> None:

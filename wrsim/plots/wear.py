@@ -36,8 +36,8 @@ def wear_figure(dataset: xr.Dataset) -> Figure:
 
     def draw(axes: Axes, body: str) -> None:
         for law, line in zip(laws, GROUP_LINE, strict=False):
-            one = dataset.sel(wheelset=name, wear_law=law)
-            _over_profile(axes, one, f"wear_{body}_depth", body, linestyle=line)
+            losses = dataset.sel(wheelset=name, wear_law=law)
+            _over_profile(axes, losses, f"wear_{body}_depth", body, linestyle=line)
         heading = "Depth worn off the wheel" if body == "wheel" else "Depth worn off the rail\nby one passage"
         label = with_unit(heading, CHANNELS[f"wear_{body}_depth"].shown.symbol)
         axes.set(ylabel=label, xlabel=CHANNELS[f"wear_{body}_u"].label)

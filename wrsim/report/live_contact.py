@@ -54,10 +54,10 @@ class LivePair:
     @property
     def about(self) -> str:
         """What is assumed, in one line."""
-        one = self.settings["strips"]
+        strips = self.settings["strips"]
         laws = ", ".join(f"{USUAL[n].text} with {CREEP_LAWS[c.creep_forces].text}" for n, c in self.settings.items())
         return (
-            f"Linear elastic, E {one.wheel.youngs_modulus / 1e9:g} GPa, Poisson {one.wheel.poisson_ratio:g}; one"
+            f"Linear elastic, E {strips.wheel.youngs_modulus / 1e9:g} GPa, Poisson {strips.wheel.poisson_ratio:g}; one"
             f" coefficient of friction; {laws}; R {1e3 * self.radius:g} mm, rolling at {ROLLING_SPEED:g} m/s, without"
             " damping. Lengths in mm, forces on the rail in kN, pressures in MPa; outward and the contact angle of a"
             " flange are positive."

@@ -202,14 +202,14 @@ def _elements(bench: Stepper, places: Places) -> Iterator[dict[str, Any]]:
     groups: dict[tuple[str, str], list[int]] = {}
     for i, element in enumerate(bench.law.vehicle.elements):
         name = " ".join(re.sub(SIDE_TERMS, "", element.name.rpartition(".")[2]).split()) or element.name
-        for what, fields in STRETCHED.items():
-            table = rows["spring_rows" if what == "stiffness" else "damper_rows"][i]
+        for quantity, fields in STRETCHED.items():
+            table = rows["spring_rows" if quantity == "stiffness" else "damper_rows"][i]
             numbers = [] if table else [*_nonzero(rows[i : i + 1], fields, places)]
-            groups.setdefault((name, what), []).extend(numbers)
-    for (name, what), numbers in groups.items():
+            groups.setdefault((name, quantity), []).extend(numbers)
+    for (name, quantity), numbers in groups.items():
         if numbers:
             values = [float(places.buffer[place]) for place in numbers]
-            yield {"words": f"{what} of {name}", "places": numbers, "values": values, "stretch": STRETCH}
+            yield {"words": f"{quantity} of {name}", "places": numbers, "values": values, "stretch": STRETCH}
 
 
 def _nonzero(row: Array, fields: Iterable[str], places: Places) -> Iterator[int]:

@@ -106,9 +106,9 @@ def write_differences(
 ) -> list[Path]:
     """``diff.csv`` and, of runs and poses, ``diff.png``."""
     figures: dict[str, Any] = {}
-    one, other = results[0].dataset, matched(results[1].dataset, results[0].dataset)
-    if has_curves(one) and has_curves(other) and (worst := worst_wheelset(one)) in wheelsets(other):
-        pair = [of_wheelset(dataset, worst) for dataset in (one, other)]
+    reference, compared = results[0].dataset, matched(results[1].dataset, results[0].dataset)
+    if has_curves(reference) and has_curves(compared) and (worst := worst_wheelset(reference)) in wheelsets(compared):
+        pair = [of_wheelset(dataset, worst) for dataset in (reference, compared)]
         figures["diff"] = lambda: overlay_figure(pair, names)
     return _written(folder, {"diff.csv": as_csv(as_rows(difference_table(deviations)))}, figures)
 

@@ -127,12 +127,12 @@ def _assessment_part(runs: _Runs) -> dict[str, Any]:
     """Limits and margins with their sources, and the track with its sections."""
     rows, sources_of_limits = tables.assessment_rows(runs.assessments)
     cells = [cell for row in rows for cell in row["cells"] if cell]
-    there = [assessment for assessment in runs.assessments if assessment]
+    assessments = [assessment for assessment in runs.assessments if assessment]
     named = zip(runs.names, runs.assessments, strict=True)
     return {
-        "lone": all(assessment.lone for assessment in there),
+        "lone": all(assessment.lone for assessment in assessments),
         "assessment": rows,
-        "rules": " / ".join(dict.fromkeys(assessment.rules.title for assessment in there)),
+        "rules": " / ".join(dict.fromkeys(assessment.rules.title for assessment in assessments)),
         "limits_from": sources_of_limits,
         "estimated": any(cell["estimate"] for cell in cells),
         "to_confirm": any(cell["star"] for cell in cells) and TO_CONFIRM,
@@ -235,18 +235,18 @@ def _contacts(dataset: xr.Dataset, result: str) -> list[dict[str, Any]]:
         return []
     wheelset_rows = []
     for name, label in numbered(wheelsets(dataset)).items():
-        one = of_wheelset(dataset, name)
-        moments, total = choose_moments(one, MOST_MOMENTS), one.sizes[moment_dim(one)]
+        wheelset = of_wheelset(dataset, name)
+        moments, total = choose_moments(wheelset, MOST_MOMENTS), wheelset.sizes[moment_dim(wheelset)]
         makers = {
-            "wheel on rail": partial(section_gallery, one, moments),
-            "patches from above": partial(patch_gallery, one, moments),
+            "wheel on rail": partial(section_gallery, wheelset, moments),
+            "patches from above": partial(patch_gallery, wheelset, moments),
         }
-        if has_subsurface(one):
-            makers["stresses below the surface"] = partial(subsurface_figure, one)
-        numbers = [tables.contacts(one, moments), *subsurface_tables(one)]
+        if has_subsurface(wheelset):
+            makers["stresses below the surface"] = partial(subsurface_figure, wheelset)
+        numbers = [tables.contacts(wheelset, moments), *subsurface_tables(wheelset)]
         row: dict[str, Any] = {"numbers": numbers, "open": name == worst_wheelset(dataset)}
         row["name"] = label + (f": {len(moments)} of {total} moments" if len(moments) < total else "")
-        row["makers"] = {f"{result} {label} {what}".strip(): make for what, make in makers.items()}
+        row["makers"] = {f"{result} {label} {heading}".strip(): make for heading, make in makers.items()}
         wheelset_rows.append(row)
     return wheelset_rows
 

@@ -66,8 +66,8 @@ def _span(dataset: xr.Dataset, name: str, most: int) -> str:
 def _study_paragraph(dataset: xr.Dataset, outputs: Sequence[str], labels: Sequence[str]) -> str:
     """Vehicle, what is asked and varied, contact, and between what the first outputs lie, in sentences."""
     keys = {name: str(dataset[name].attrs["key"]) for name in varied(dataset)}
-    one = "vehicle.model" not in keys.values()
-    subject = f"of vehicle {vehicle_name(dataset)}" if one else "of several vehicles"
+    single_vehicle = "vehicle.model" not in keys.values()
+    subject = f"of vehicle {vehicle_name(dataset)}" if single_vehicle else "of several vehicles"
     analysis = str(dataset.attrs.get("analysis", ""))
     sentences = [f"{dataset['status'].size} cases {subject}: {ASKED.get(analysis, analysis)}."]
     told = [f"{key} ({_span(dataset, name, MOST_TOLD)})" for name, key in keys.items()]

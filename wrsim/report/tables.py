@@ -187,11 +187,11 @@ def curves(summaries: Sequence[Summary], names: Sequence[str]) -> list[Table]:
 def apart(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
     """What the later results were asked otherwise than the first, and the numbers that differ most, in percent."""
     tables = []
-    for name, other in zip(names[1:], results[1:], strict=True):
+    for name, result in zip(names[1:], results[1:], strict=True):
         letters = names[0][0], name[0]
-        asked = inputs_apart(results[0], other, letters)
+        asked = inputs_apart(results[0], result, letters)
         try:
-            changes = differences(results[0], other, (), SIGNIFICANT_CHANGE)
+            changes = differences(results[0], result, (), SIGNIFICANT_CHANGE)
             off, alone = one_sided(beyond(changes, SIGNIFICANT_CHANGE), letters)
             asked += alone
         except InputError as problem:  # analyses of two kinds
@@ -221,17 +221,17 @@ def _named(tables: Sequence[Sequence[Table]], names: Sequence[str]) -> list[Tabl
 def contacts(dataset: xr.Dataset, moments: Sequence[int]) -> Table:
     """Every patch of one wheelset at some of its snapshots."""
     dim = "time" if "time" in dataset.dims else "pose"
-    channels = [name for name in PATCH_CHANNELS if name in dataset]
+    names = [name for name in PATCH_CHANNELS if name in dataset]
     rows: list[list[Cell]] = []
     for i, moment in enumerate(moments):
         pose = f"({snapshot_letter(i)}) {dataset['pose'].values[moment]}" if dim == "pose" else ""
         title = pose or moment_title(dataset, moment, i).replace("\n", ", ")
         for where in [patch for wheel in dataset["wheel"].values for patch in patches_at(dataset, moment, str(wheel))]:
-            one = dataset[channels].isel({dim: sample_of(dataset, moment), "patch": where.patch}).sel(wheel=where.wheel)
-            values = [float(one[name]) * CHANNELS[name].shown.factor for name in channels]
+            data = dataset[names].isel({dim: sample_of(dataset, moment), "patch": where.patch}).sel(wheel=where.wheel)
+            values = [float(data[name]) * CHANNELS[name].shown.factor for name in names]
             rows.append([title, f"{where.wheel}, {PATCHES[where.patch]} patch", *values])
             title = ""
-    return Table("", (Column("at"), Column("wheel"), *(Column.of(CHANNELS[name]) for name in channels)), rows)
+    return Table("", (Column("at"), Column("wheel"), *(Column.of(CHANNELS[name]) for name in names)), rows)
 
 
 def event_table(results: Sequence[Result], summaries: Sequence[Summary], names: Sequence[str]) -> Table | None:
@@ -270,6 +270,6 @@ def wear_tables(dataset: xr.Dataset) -> list[Table]:
         parts.append((f"Rails, {LAW_LABELS[law]}", "rail", WORN_RAILS, losses["rails"]))
     parts.append(("Fatigue of the rails", "rail", FATIGUE, wear["fatigue"]))
     return [
-        Table(title, (Column(what), *heads.values()), [(n, *(row[key] for key in heads)) for n, row in rows.items()])
-        for title, what, heads, rows in parts
+        Table(title, (Column(body), *heads.values()), [(n, *(row[key] for key in heads)) for n, row in rows.items()])
+        for title, body, heads, rows in parts
     ]

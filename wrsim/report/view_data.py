@@ -153,9 +153,9 @@ def _run(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]) 
             of_patch = (dataset[name].isel(patch=k), CHANNELS[name], f", {PATCHES[k]} patch")
             channels[f"{name}_{k}" if k else name] = of_patch
     channels |= {name: (dataset[name], CHANNELS[name], "") for name in OF_BODIES if name in dataset}
-    for name, (data, channel, which) in channels.items():
+    for name, (data, channel, suffix) in channels.items():
         column = channel.shown
-        about = {"unit": column.unit, "factor": column.factor, "words": channel.long_name + which}
+        about = {"unit": column.unit, "factor": column.factor, "words": channel.long_name + suffix}
         dims = [d for d in data.dims if d != "time"]
         run["channels"][name] = packed(data.values[keep] * column.factor, "f4") | about | {"dims": dims}
     if "body" in dataset.dims:
@@ -213,8 +213,8 @@ def _track(dataset: xr.Dataset, place: Array, cant_base: float) -> dict[str, Any
         if name not in dataset:
             return np.zeros(s.size)
         values = dataset[name].values
-        both = np.concatenate((values[:, -1], values[:, 0]))[order][first]
-        return np.interp(s, stations, both)
+        samples = np.concatenate((values[:, -1], values[:, 0]))[order][first]
+        return np.interp(s, stations, samples)
 
     line = centre_line(along("curvature"), along("cant"), along("grade"), cant_base)
     return {"start": float(s[0]), "step": PATH_STEP, "line": packed(line, "f8")}
@@ -303,24 +303,24 @@ def _sections(dense: xr.Dataset) -> dict[str, Any]:
         sections["time"] = [round(t, 6) for t in dense["snapshot_time"].values.tolist()]
     else:
         sections["poses"] = [str(p) for p in dense["pose"].values]
-    for name, one in ((name, of_wheelset(dense, name)) for name in names):
-        sections["of"] += [{"wheelset": name, "wheel": side, **_wheel(one, side, count, most)} for side in sides]
+    for name, wheelset in ((name, of_wheelset(dense, name)) for name in names):
+        sections["of"] += [{"wheelset": name, "wheel": side, **_wheel(wheelset, side, count, most)} for side in sides]
     return sections
 
 
-def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any]:
+def _wheel(wheelset: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any]:
     """One wheel at all moments. Lengths in mm; patches: moment of each, and its points from edge to edge."""
-    dim = moment_dim(one)
-    mine = one.sel(wheel=side)
-    worn = has_wear(one)
-    rail, _, on_rail = _outline(mine, "rail", dim, 0.02, worn)
+    dim = moment_dim(wheelset)
+    wheel = wheelset.sel(wheel=side)
+    worn = has_wear(wheelset)
+    rail, _, on_rail = _outline(wheel, "rail", dim, 0.02, worn)
     if (rail == rail[:1]).all():  # the same all along the track
         rail = rail[:1]
-    outline, finite, on_wheel = _outline(mine, "wheel", dim, 0.01, worn)
+    outline, finite, on_wheel = _outline(wheel, "wheel", dim, 0.01, worn)
     moments, shapes, numbers = [], [], []
     for m in range(count):
-        for where in patches_at(one, m, side):
-            for strips in touching_runs(select(one, where)):
+        for where in patches_at(wheelset, m, side):
+            for strips in touching_runs(select(wheelset, where)):
                 curve, normal, p = pressed_curve(strips)
                 walked = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))))
                 nodes = 0.5 * walked[-1] * (1.0 - np.cos(np.linspace(0.0, np.pi, NODES)))
@@ -331,7 +331,7 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
                 force = strips.variables["strip_N"]
                 mean = mean_contact_angle(strips.variables["strip_angle"], force)
                 numbers.append((float(force.sum()) * 1e-3, float(np.degrees(mean)), float(p.max())))
-    wear = {"wear": worn_outlines(mine, on_wheel, on_rail)} if worn else {}
+    wear = {"wear": worn_outlines(wheel, on_wheel, on_rail)} if worn else {}
     return wear | {
         "rail": packed_steps(rail, 0.005),
         "outline": packed_steps(outline, 0.005),
@@ -342,21 +342,21 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
     }
 
 
-def _outline(mine: xr.Dataset, body: str, dim: str, error: float, worn: bool) -> tuple[Array, NDArray[np.intp], Array]:
+def _outline(wheel: xr.Dataset, body: str, dim: str, error: float, worn: bool) -> tuple[Array, NDArray[np.intp], Array]:
     """An outline at all moments (moments, points, 2) [mm], others having that of the nearest; moments that have one;
     points needed for an error [mm], and worn ones where wanted, as shares of the profile's length."""
-    lines = np.stack([mine[f"{body}_profile_{n}"].transpose(dim, f"{body}_point").values * 1e3 for n in "yz"], axis=-1)
-    there = np.isfinite(lines[..., 0])
-    finite = np.flatnonzero(there.any(axis=1))
+    lines = np.stack([wheel[f"{body}_profile_{n}"].transpose(dim, f"{body}_point").values * 1e3 for n in "yz"], axis=-1)
+    mask = np.isfinite(lines[..., 0])
+    finite = np.flatnonzero(mask.any(axis=1))
     if not finite.size:
         return np.zeros((len(lines), 1, 2)), finite, np.zeros(1)
     for m in finite:  # a nose that is not there yet: its points lie on the last one before
-        lines[m] = lines[m][_nearest(np.flatnonzero(there[m]), lines.shape[1])]
+        lines[m] = lines[m][_nearest(np.flatnonzero(mask[m]), lines.shape[1])]
     new = finite[np.append(True, (np.diff(lines[finite, :, 1], axis=0) != 0.0).any(axis=1))]
     share = np.linspace(0.0, 1.0, lines.shape[1])
     retained = [needed(lines[m, :, 0], lines[m, :, 1], error) for m in (new if body == "rail" else new[:1])]
     if worn:
-        retained.append(np.flatnonzero(drawn_depth(mine, body, share) > LEAST_DEPTH))
+        retained.append(np.flatnonzero(drawn_depth(wheel, body, share) > LEAST_DEPTH))
     points = np.unique(np.concatenate(retained))
     return lines[_nearest(finite, len(lines))][:, points], finite, share[points]
 
