@@ -331,7 +331,7 @@ def test_poses_are_listed_with_their_patches_and_patches_csv_has_the_same() -> N
     listed = poses.numbers()[0]
     rows = csv.DictReader(io.StringIO(as_csv(tables(poses.dataset)["patches"]).decode()))
     written = [row for row in rows if row["N_kN"]]
-    heads = [column.key or column.words for column in listed.columns]
+    heads = [column.key or column.label for column in listed.columns]
     numbers = ["N_kN", "p0_MPa", "n_strips", "width_mm", "contact_angle_min_deg", "contact_angle_max_deg"]
     assert heads[0] == "pose" and heads[-6:] == numbers
     assert len(listed.rows) == len(written) >= 4
@@ -548,7 +548,7 @@ def test_a_result_on_disk_is_the_one_in_memory(setup, record, tmp_path, monkeypa
 def test_words_of_reports_are_understood_as_names_of_channels() -> None:
     """Of a run's channel and one of poses of the same words the first is meant; a word of several means none."""
     for peak in (*PEAKS.values(), *OF_WHEELSET.values()):
-        word = peak.words.partition(",")[0]
+        word = peak.title.partition(",")[0]
         assert NAMES.understood(word) in (peak.channel, word.replace(" ", "_")), word
     words = {
         "angle_of_attack": "yaw",

@@ -24,7 +24,7 @@ from wrsim.errors import InputError, WrsimError
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.results import Result
 from wrsim.results.dataset import table_of_scenario
-from wrsim.results.summary_tables import Summary, extent_words
+from wrsim.results.summary_tables import Summary, extent_text
 from wrsim.results.table import join_names, quantity
 from wrsim.results.wheelsets import wheelsets
 
@@ -151,12 +151,12 @@ def _motion(result: Result, summary: Summary, assessment: Assessment | None) -> 
     count, name = len(wheelsets(dataset)), vehicle_name(dataset)
     subject = f"Wheelset {name}" if is_lone(dataset) else f"Vehicle {name} ({count} wheelset{'s' * (count != 1)})"
     if "time" not in dataset.dims:
-        return f"{subject}: {extent_words(dataset)}."
+        return f"{subject}: {extent_text(dataset)}."
     if assessment:
         subject += f" with {_loads(assessment)}"
     kmh = 3.6 * float(dataset["speed"].mean()) if "speed" in dataset and dataset["speed"].size else None
     if kmh is None or "distance" not in dataset.coords or kmh < 1e-6:
-        return f"{subject}: {extent_words(dataset)}."
+        return f"{subject}: {extent_text(dataset)}."
     length = quantity(float(dataset["distance"].max() - dataset["distance"].min()), "m", ".0f")
     kind = "uneven" if "rail_lateral" in dataset else "smooth"
     curves = _curves(summary, assessment)

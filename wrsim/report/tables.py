@@ -23,7 +23,7 @@ from wrsim.results.summary import summarise_wear
 from wrsim.results.summary_tables import (
     Summary,
     curve_tables,
-    extent_words,
+    extent_text,
     integration,
     numbers_of,
     wheelset_tables,
@@ -101,7 +101,7 @@ def _identity(result: Result) -> dict[str, str]:
     if vehicle and isinstance(speed, int | float):
         vehicle += f", {quantity(float(speed), 'km/h', 'g')}"
     status = result.status + (f": {result.stop_reason}" if result.stop_reason else "")
-    about = {"analysis": result.analysis, "status": status, "extent": extent_words(result.dataset)}
+    about = {"analysis": result.analysis, "status": status, "extent": extent_text(result.dataset)}
     return about | {"vehicle": vehicle}
 
 

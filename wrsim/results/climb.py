@@ -47,9 +47,9 @@ def climb_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
     """One line per angle of attack and Y/Q."""
     rows = []
     for i in np.flatnonzero(dataset["pose_message"].values == "").tolist():
-        at = dataset.isel(pose=i)
-        values = (at[name].item() * CHANNELS[name].shown.factor for name in SHOWN)
-        rows.append((*values, "climbs" if at["climbed"].item() else "is held"))
+        pose = dataset.isel(pose=i)
+        values = (pose[name].item() * CHANNELS[name].shown.factor for name in SHOWN)
+        rows.append((*values, "climbs" if pose["climbed"].item() else "is held"))
     heads = (Column.of(CHANNELS[name], label, form) for name, (label, form) in SHOWN.items())
     label = (
         f"flange of {summary['flange_angle_deg']:.1f}° and {summary['flange_length_mm']:.1f} mm, "

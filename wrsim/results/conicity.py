@@ -47,10 +47,10 @@ def conicity_summary(dataset: xr.Dataset) -> dict[str, Any]:
     amplitude = 1e3 * dataset["amplitude"].values
     values = dataset["equivalent_conicity"].values
     near = (np.flatnonzero(np.abs(amplitude - mm) < 1e-6) for mm in range(1, 6))
-    one, two, three, four, five = (finite(values[at[0]]) if at.size else None for at in near)
+    tan_1, tan_2, tan_3, tan_4, tan_5 = (finite(values[indices[0]]) if indices.size else None for indices in near)
     return {
-        "equivalent_conicity": {"1_mm": one, "3_mm": three, "5_mm": five},
-        "nonlinearity_per_mm": None if two is None or four is None else 0.5 * (four - two),
+        "equivalent_conicity": {"1_mm": tan_1, "3_mm": tan_3, "5_mm": tan_5},
+        "nonlinearity_per_mm": None if tan_2 is None or tan_4 is None else 0.5 * (tan_4 - tan_2),
         "equilibrium_shift_mm": 1e3 * float(dataset.attrs["equilibrium_shift_m"]),
         **steering_summary(dataset),
     }

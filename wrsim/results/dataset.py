@@ -126,17 +126,17 @@ def with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike = WHEELS) 
     """The channels with Y/Q, the track shifting force and the variation of the contact angle where they follow."""
     arrays = dict(channels)
 
-    def given(derived: str, *names: str) -> list[NDArray[np.float64]]:
+    def sources(derived: str, *names: str) -> list[NDArray[np.float64]]:
         """Channels of one shape that one follows from; none where that is given or they are not."""
         values = [np.asarray(arrays[n], dtype=float) for n in names if n in arrays and derived not in arrays]
         return values if len(values) == len(names) and values[0].shape == values[-1].shape else []
 
-    both = tuple(np.atleast_1d(wheels)) == WHEELS and np.ndim(arrays.get("Y", 0.0)) > 1
-    for force in given("sum_Y", "Y") if both else ():
+    is_wheelset = tuple(np.atleast_1d(wheels)) == WHEELS and np.ndim(arrays.get("Y", 0.0)) > 1
+    for force in sources("sum_Y", "Y") if is_wheelset else ():
         arrays["sum_Y"] = force[..., 0] - force[..., -1]
-    if parts := given("Y_over_Q", "Y", "Q"):
+    if parts := sources("Y_over_Q", "Y", "Q"):
         arrays["Y_over_Q"] = np.divide(parts[0], parts[1], out=np.full(parts[0].shape, np.nan), where=parts[1] > 0.0)
-    if parts := given("contact_angle_variation", "contact_angle_min", "contact_angle_max"):
+    if parts := sources("contact_angle_variation", "contact_angle_min", "contact_angle_max"):
         arrays["contact_angle_variation"] = parts[1] - parts[0]
     return arrays
 
@@ -150,13 +150,13 @@ def _of_single_wheelset(channels: Mapping[str, ArrayLike]) -> dict[str, ArrayLik
     return arrays | {name: np.expand_dims(np.asarray(arrays[name]), 1) for name in of_wheelsets}
 
 
-def _attributes(given: Mapping[str, str | float | int], sample: str) -> dict[str, str | float | int]:
+def _attributes(attributes: Mapping[str, str | float | int], sample: str) -> dict[str, str | float | int]:
     """Attributes in a fixed order: what it is, what the caller gave, the versions."""
     stop = ("stop_reason", "stop_time_s", "stop_distance_m") if sample == "time" else ("stop_reason",)
-    for name in REQUIRED_ATTRIBUTES + (stop if given.get("status") == "stopped" else ()):
-        if name not in given:
+    for name in REQUIRED_ATTRIBUTES + (stop if attributes.get("status") == "stopped" else ()):
+        if name not in attributes:
             raise ValueError(f"attributes: '{name}' is missing")
-    plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in given.items()}
+    plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in attributes.items()}
     return {"format": FORMAT, "format_version": FORMAT_VERSION, **plain} | {**versions(), **plain}
 
 
@@ -181,8 +181,8 @@ def faults_of_result(dataset: xr.Dataset) -> Iterator[str]:
     yield from (f"its {name} is empty" for name, size in dataset.sizes.items() if name in LABELLED and not size)
     for group in dict.fromkeys(channel.together for channel in CHANNELS.values() if channel.together):
         names = [name for name, channel in CHANNELS.items() if channel.together == group]
-        there = [name for name in names if name in dataset.variables]
-        yield from (f"has {there[0]} and no {name}" for name in names if there and name not in there)
+        members = [name for name in names if name in dataset.variables]
+        yield from (f"has {members[0]} and no {name}" for name in names if members and name not in members)
 
 
 def _faults_of_layout(dataset: xr.Dataset) -> Iterator[str]:
@@ -238,8 +238,8 @@ def faults_of_variable(dataset: xr.Dataset, name: str, dims: Sequence[Hashable],
     variable = dataset.variables[name]
     letters, requirement = _TYPES[kind]
     if variable.dims != tuple(dims):
-        there, wanted = (", ".join(map(str, names)) for names in (variable.dims, dims))
-        yield f"its {name} is laid out along ({there}), must be along ({wanted})"
+        layout, required = (", ".join(map(str, names)) for names in (variable.dims, dims))
+        yield f"its {name} is laid out along ({layout}), must be along ({required})"
     if variable.dtype.kind not in letters or (kind != "text" and variable.dtype.itemsize != 8):
         yield f"its {name} holds {variable.dtype}, must be {requirement}"
     if not isinstance(variable.attrs.get("units", ""), str):

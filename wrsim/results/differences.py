@@ -46,8 +46,8 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
             f'cannot compare analysis = "{first.analysis}" with "{second.analysis}": both must be of one kind'
         )
     same = Result(matched(second.dataset, first.dataset))
-    one, other = (dict(_numbers(result.summary())) for result in (first, same))
-    keys = list(dict.fromkeys((*one, *other)))
+    reference, compared = (dict(_numbers(result.summary())) for result in (first, same))
+    keys = list(dict.fromkeys((*reference, *compared)))
     names = list(dict.fromkeys(name for _, name in keys))
     chosen = set() if only else set(names)
     for asked in only:
@@ -60,11 +60,11 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
     keys = [key for key in keys if key[1] in chosen]
     scales: dict[str, float] = {}
     for key in keys:
-        numbers = (abs(values.get(key) or 0.0) for values in (one, other))
+        numbers = (abs(values.get(key) or 0.0) for values in (reference, compared))
         scales[_scale(key)] = max(scales.get(_scale(key), SMALLEST), *numbers)
     diffs = []
     for key in keys:
-        a, b = one.get(key), other.get(key)
+        a, b = reference.get(key), compared.get(key)
         off = (0.0 if a is b else math.inf) if a is None or b is None else b - a
         scale = scales[_scale(key)]
         diffs.append(Deviation(*key, a, b, off, abs(off) / scale, percent(a, b, tolerance * scale)))
@@ -76,9 +76,9 @@ def _scale(key: tuple[str, str]) -> str:
     return key[0] if key[0] == "energy" else key[1]
 
 
-def inputs_apart(one: Result, other: Result, letters: Sequence[str] = "AB") -> list[str]:
+def inputs_apart(reference: Result, compared: Result, letters: Sequence[str] = "AB") -> list[str]:
     """Keys of the two scenarios whose values differ, and wheelsets that are matched under other names."""
-    texts = [str(result.dataset.attrs.get("scenario_text", "")) for result in (one, other)]
+    texts = [str(result.dataset.attrs.get("scenario_text", "")) for result in (reference, compared)]
     try:
         trees = [tomllib.loads(text) for text in texts]
     except tomllib.TOMLDecodeError:  # of another author
@@ -87,7 +87,7 @@ def inputs_apart(one: Result, other: Result, letters: Sequence[str] = "AB") -> l
     keys = [key for key in dict.fromkeys((*first, *second)) if first.get(key) != second.get(key) and key != "title"]
     a, b, none = *letters, "not given"
     changed = [f"{key}: {first.get(key, none)} in {a}, {second.get(key, none)} in {b}" for key in keys]
-    names = [wheelsets(result.dataset) for result in (one, other)]
+    names = [wheelsets(result.dataset) for result in (reference, compared)]
     if names[0] != names[1]:
         changed.append(f"wheelsets are matched from the front: {', '.join(names[0])} and {', '.join(names[1])}")
     return [*changed[:LISTED], *([f"... and {len(changed) - LISTED} more keys"] if len(changed) > LISTED else [])]
@@ -97,11 +97,11 @@ def difference_table(
     diffs: Sequence[Deviation], letters: Sequence[str] = "AB", title: str = "", notes: Sequence[str] = ()
 ) -> Table:
     """A row a number; differences without one of the numbers are missing."""
-    one, other = letters
+    first, second = letters
     heads = (
         Column("place", key="place"), Column("quantity", key="quantity"),
-        Column(one, "", ".5g", "a"), Column(other, "", ".5g", "b"),
-        Column(f"{other} - {one}", "", ".4g", "difference"), Column("change", "%", ".3g", "change_percent"),
+        Column(first, "", ".5g", "a"), Column(second, "", ".5g", "b"),
+        Column(f"{second} - {first}", "", ".4g", "difference"), Column("change", "%", ".3g", "change_percent"),
         Column("part of largest", "", ".2g", "relative"),
     )  # fmt: skip
     rows = [(d.place, d.quantity, d.first, d.second, finite(d.absolute), d.change, finite(d.relative)) for d in diffs]
@@ -115,20 +115,20 @@ def beyond(diffs: Sequence[Deviation], tolerance: float) -> list[Deviation]:
 
 def one_sided(diffs: Sequence[Deviation], letters: Sequence[str] = "AB") -> tuple[list[Deviation], list[str]]:
     """The differences of what both results have, and in a sentence each what only one of them has."""
-    both = [d for d in diffs if math.isfinite(d.absolute)]
+    common = [d for d in diffs if math.isfinite(d.absolute)]
     texts = []
-    for letter, other in zip(letters, ("second", "first"), strict=True):
-        alone = [d for d in diffs if not math.isfinite(d.absolute) and getattr(d, other) is None]
+    for letter, field in zip(letters, ("second", "first"), strict=True):
+        alone = [d for d in diffs if not math.isfinite(d.absolute) and getattr(d, field) is None]
         places = join_names(list(dict.fromkeys(d.place or d.quantity for d in alone)), MOST_PLACES)
         texts += [f"only in {letter}, {len(alone)} numbers: {places}"] if alone else []
-    return both, texts
+    return common, texts
 
 
-def other_ends(one: Result, other: Result) -> list[str]:
+def other_ends(reference: Result, compared: Result) -> list[str]:
     """How the two ended, where they did not end alike."""
-    if one.status == other.status:
+    if reference.status == compared.status:
         return []
-    return [": ".join(filter(None, (name, r.status, r.stop_reason))) for name, r in (("A", one), ("B", other))]
+    return [": ".join(filter(None, (name, r.status, r.stop_reason))) for name, r in (("A", reference), ("B", compared))]
 
 
 def compared_tables(
@@ -136,15 +136,15 @@ def compared_tables(
 ) -> list[Table]:
     """What is beyond the tolerance, or the largest differences where nothing is; the verdict."""
     wrong, most = beyond(diffs, tolerance), quantity(100.0 * tolerance, "%", "g")
-    both, alone = one_sided(wrong or [d for d in diffs if d.relative > 0.0])
-    more = [f"... and {len(both) - LISTED} more; --json lists all"] if wrong and len(both) > LISTED else []
+    common, alone = one_sided(wrong or [d for d in diffs if d.relative > 0.0])
+    more = [f"... and {len(common) - LISTED} more; --json lists all"] if wrong and len(common) > LISTED else []
     verdict = f"alike: {len(diffs)} numbers, none differs by more than {most}"
     if wrong:
         verdict = f"{len(wrong)} of {len(diffs)} numbers differ by more than {most}"
     elif ends:
         verdict = "the numbers are alike, the ends are not"
     head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)) + tuple(apart))
-    shown = [difference_table(both[:LISTED])] if both else []
+    shown = [difference_table(common[:LISTED])] if common else []
     return [head, *shown, Table("", notes=(*more, *alone, *ends, verdict))]
 
 

@@ -52,14 +52,14 @@ def _tables(result: Result, directory: Path) -> list[Path]:
     return [write_atomically(directory / f"{name}.csv", csv_parts(rows)) for name, rows in each_table(result.dataset)]
 
 
-def formats(given: str) -> list[str]:
+def formats(text: str) -> list[str]:
     """Formats of a list with commas between. Raises ``InputError``."""
-    names = list(dict.fromkeys(name.strip().lower() for name in given.split(",") if name.strip()))
+    names = list(dict.fromkeys(name.strip().lower() for name in text.split(",") if name.strip()))
     for name in names:
         if name not in FORMATS:
-            raise InputError(f"--to {given}: '{name}' is none of {', '.join(FORMATS)}{suggest(name, FORMATS)}")
+            raise InputError(f"--to {text}: '{name}' is none of {', '.join(FORMATS)}{suggest(name, FORMATS)}")
     if not names:
-        raise InputError(f"--to {given}: must be one or more of {', '.join(FORMATS)}, with commas between")
+        raise InputError(f"--to {text}: must be one or more of {', '.join(FORMATS)}, with commas between")
     return names
 
 

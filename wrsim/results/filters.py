@@ -170,11 +170,11 @@ def moving_deviation(signal: Array, samples: int) -> Array:
     return result
 
 
-def percentiles(values: Array, which: Sequence[float]) -> Array:
+def percentiles(values: Array, percents: Sequence[float]) -> Array:
     """Percentile of values (n, ...) along the first axis, of two the larger magnitude; infinite where a value is."""
     result = np.full(values.shape[1:], np.inf)
     finite = np.isfinite(values).all(axis=0)
-    ends = np.percentile(values[:, finite] if values.ndim > 1 else values, list(which), axis=0)
+    ends = np.percentile(values[:, finite] if values.ndim > 1 else values, list(percents), axis=0)
     if finite.any():
-        result[finite] = ends[0] if len(which) == 1 else np.abs(ends).max(axis=0)
+        result[finite] = ends[0] if len(percents) == 1 else np.abs(ends).max(axis=0)
     return result

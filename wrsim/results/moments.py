@@ -56,7 +56,7 @@ def sample_of(dataset: xr.Dataset, moment: int) -> int:
     return int(np.argmin(np.abs(dataset["time"].values - dataset["snapshot_time"].values[moment])))
 
 
-def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list[int]:
+def moments_at(dataset: xr.Dataset, places: Sequence[str | float], key: str) -> list[int]:
     """Indices of the moments at these distances of the vehicle [m], or of the poses of these names. key: what the
     places were given as, for messages. Raises InputError."""
     if not has_patches(dataset):
@@ -64,7 +64,7 @@ def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list
     moments = []
     if "pose" in dataset.dims:
         names = [str(name) for name in dataset["pose"].values]
-        for name in map(str, at):
+        for name in map(str, places):
             if name not in names:
                 raise InputError(
                     f"{key} {name}: there is no such pose{suggest(name, names)}; there are {join_names(names, 12)}"
@@ -72,15 +72,15 @@ def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list
             moments.append(names.index(name))
         return moments
     distances = dataset["snapshot_distance"].values.tolist()
-    for place in at:
+    for place in places:
         try:
             offsets = [abs(d - float(place)) for d in distances]
         except (TypeError, ValueError):
             raise InputError(f"{key} {place}: must be a distance in m") from None
         if not min(offsets) <= NEAR:
-            there = join_names([f"{d:.1f}" for d in distances], 12)
+            stored = join_names([f"{d:.1f}" for d in distances], 12)
             within = f"within {NEAR:g} m of that distance of the vehicle"
-            raise InputError(f"{key} {place}: no patches are stored {within}; there are {there}")
+            raise InputError(f"{key} {place}: no patches are stored {within}; there are {stored}")
         moments.append(offsets.index(min(offsets)))
     return moments
 
@@ -89,9 +89,9 @@ TRACTIONS = {"element_qx": "qx", "element_qs": "qs"}
 """Channels of the exact solver's elements, and their names in a patch."""
 
 
-def patch_of(one: xr.Dataset, at: str | float, wheel: str | None, number: int, columns: int) -> xr.Dataset:
+def patch_of(dataset: xr.Dataset, position: str | float, wheel: str | None, number: int, columns: int) -> xr.Dataset:
     """One patch of one wheelset; parameters and errors as in `wrsim.results.Result.patch`."""
-    wheels = [str(w) for w in one["wheel"].values]
+    wheels = [str(w) for w in dataset["wheel"].values]
     if wheel is None and len(wheels) == 1:
         wheel = wheels[0]
     if wheel not in wheels:
@@ -99,16 +99,16 @@ def patch_of(one: xr.Dataset, at: str | float, wheel: str | None, number: int, c
         raise InputError(f"{fault}{suggest(str(wheel), wheels)}: {', '.join(wheels)}")
     if columns < 2:
         raise InputError(f"columns = {columns}: must be at least 2")
-    (moment,) = moments_at(one, [at], "at")
-    dim = moment_dim(one)
-    of_wheel = one.isel({dim: moment}).sel(wheel=wheel)
-    there = int(np.isfinite(of_wheel["strip_p"].values).any(axis=-1).sum())
-    if not 0 <= number < there:
-        has = "no contact" if not there else "one patch" if there == 1 else f"{there} patches"
-        raise InputError(f"number = {number}: the {wheel} wheel has {has} at {at}; the first is number 0")
+    (moment,) = moments_at(dataset, [position], "at")
+    dim = moment_dim(dataset)
+    of_wheel = dataset.isel({dim: moment}).sel(wheel=wheel)
+    count = int(np.isfinite(of_wheel["strip_p"].values).any(axis=-1).sum())
+    if not 0 <= number < count:
+        has = "no contact" if not count else "one patch" if count == 1 else f"{count} patches"
+        raise InputError(f"number = {number}: the {wheel} wheel has {has} at {position}; the first is number 0")
     patch = of_wheel.isel(patch=number)
     if dim == "snapshot":
-        patch = patch.isel(time=sample_of(one, moment))
+        patch = patch.isel(time=sample_of(dataset, moment))
     used = order_of_strips(patch["strip_s"].values, patch["strip_p"].values)
     strips = {str(n): v.values[used] for n, v in patch.variables.items() if v.dims == ("strip",)}
     fields = _elements(patch, used) or _strips(strips, columns)
@@ -119,11 +119,11 @@ def patch_of(one: xr.Dataset, at: str | float, wheel: str | None, number: int, c
     along = {n: ("s", v, CHANNELS[n].attributes) for n, v in strips.items()}
     s = along.pop("strip_s")
     numbers = {str(n): v for n, v in patch.data_vars.items() if v.dims == () and "patch" in CHANNELS[str(n)].dims}
-    place = {"pose": at} if dim == "pose" else {"distance_m": float(patch["snapshot_distance"])}
+    place = {"pose": position} if dim == "pose" else {"distance_m": float(patch["snapshot_distance"])}
     return xr.Dataset(
         variables | along | {name: ((), value.values, dict(value.attrs)) for name, value in numbers.items()},
         coords={"s": s, "x": x},
-        attrs={"title": one.attrs["title"], "wheel": wheel, "number": number, **place},
+        attrs={"title": dataset.attrs["title"], "wheel": wheel, "number": number, **place},
     )
 
 
@@ -196,6 +196,6 @@ def subsurface_tables(dataset: xr.Dataset) -> list[Table]:
     return [Table(title, (*heads, *(Column.of(CHANNELS[name], name) for name in names)), rows)]
 
 
-def _shown(dataset: xr.Dataset, name: str, at: int, wheel: int, patch: int) -> float | None:
+def _shown(dataset: xr.Dataset, name: str, moment: int, wheel: int, patch: int) -> float | None:
     values = dataset[name].values
-    return finite(values[at, wheel, patch], CHANNELS[name].shown.factor) if patch < values.shape[2] else None
+    return finite(values[moment, wheel, patch], CHANNELS[name].shown.factor) if patch < values.shape[2] else None

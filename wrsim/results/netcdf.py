@@ -81,27 +81,27 @@ def _remove(file: netCDF4.Dataset, path: Path) -> None:
     path.unlink(missing_ok=True)
 
 
-def read_netcdf(path: Path, what: str) -> xr.Dataset:
-    """The dataset in a file of `write_netcdf`; what: in words. Raises InputError: missing, damaged, none of wrsim's."""
-    again = f"run the {'scenario' if what == 'result' else what} again"
+def read_netcdf(path: Path, label: str) -> xr.Dataset:
+    """The dataset in a file of `write_netcdf`; label: kind. Raises InputError: missing, damaged, none of wrsim's."""
+    again = f"run the {'scenario' if label == 'result' else label} again"
     try:
-        with open(open_plain(path, f"{what} file"), "rb") as stream:
+        with open(open_plain(path, f"{label} file"), "rb") as stream:
             begin, checked, whole = _looked_through(stream)
     except FileNotFoundError:
         kinds = {STUDY: "study", EVOLUTION: "profile evolution"}
         kind = next((kind_of_file for name, kind_of_file in kinds.items() if (path.parent / name).is_file()), "")
-        other = f"; the folder is that of a {kind} (wrsim report)" if kind else ""
-        raise InputError(f"{path}: there is no such {what} file{other}") from None
+        hint = f"; the folder is that of a {kind} (wrsim report)" if kind else ""
+        raise InputError(f"{path}: there is no such {label} file{hint}") from None
     except OSError as problem:
         why = (problem.strerror or str(problem)).lower()
         raise InputError(f"{path}: cannot be read: {why}") from problem
     if begin != _HDF5_SIGNATURE:
         kind = "" if path.suffix == ".nc" else kind_of(path)
-        raise InputError(f"{path}: not a wrsim {what}{f', but {kind}' if kind else ' (not a NetCDF 4 file)'}")
+        raise InputError(f"{path}: not a wrsim {label}{f', but {kind}' if kind else ' (not a NetCDF 4 file)'}")
     if not checked:
         why = "its checksum is missing: it is cut off, or another program has written it"
-        raise InputError(f"{path}: not a wrsim {what}, or {why}; {again}")
-    opened = _dataset_in(path, what) if whole else None
+        raise InputError(f"{path}: not a wrsim {label}, or {why}; {again}")
+    opened = _dataset_in(path, label) if whole else None
     if opened is None:
         raise InputError(f"{path}: the file is damaged or incomplete; {again}")
     return opened
@@ -254,7 +254,7 @@ def _looked_through(stream: IO[bytes]) -> tuple[bytes, bool, bool]:
     return begin, end[:-4] == _CHECKED, end[-4:] == checksum.to_bytes(4, "little")
 
 
-def _dataset_in(path: Path, what: str) -> xr.Dataset | None:
+def _dataset_in(path: Path, label: str) -> xr.Dataset | None:
     """The dataset in a NetCDF file; None if it cannot be read. Raises InputError where it is packed too well."""
     hook = sys.unraisablehook
     sys.unraisablehook = lambda unraisable: None  # the library complains when it lets go of a damaged file
@@ -266,7 +266,7 @@ def _dataset_in(path: Path, what: str) -> xr.Dataset | None:
                 opened.close()
                 raise InputError(
                     f"{path}: declares {opened.nbytes / 1e6:.4g} MB of numbers in a file of {size / 1e6:.4g} MB; "
-                    f"a wrsim {what} has at most {PACKED} times its size"
+                    f"a wrsim {label} has at most {PACKED} times its size"
                 )
             if opened.nbytes > LARGE:
                 return opened

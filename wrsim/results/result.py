@@ -174,8 +174,8 @@ class Result:
         attributes = {n: v.item() if getattr(v, "size", 0) == 1 else v for n, v in dataset.attrs.items()}
         dataset.attrs = attributes
         if attributes.get("format") != FORMAT:
-            other = {"wrsim study": "a study", "wrsim wear": "a profile evolution"}.get(str(attributes.get("format")))
-            kind = f"{other} (wrsim report)" if other else "another NetCDF file"
+            noun = {"wrsim study": "a study", "wrsim wear": "a profile evolution"}.get(str(attributes.get("format")))
+            kind = f"{noun} (wrsim report)" if noun else "another NetCDF file"
             raise InputError(f"{path}: not a wrsim result, but {kind}")
         version = attributes.get("format_version")
         if not isinstance(version, int):

@@ -12,34 +12,34 @@ from wrsim.results.table import Column, Table, quantity
 ORDERS = ("", "rate of change of the ", "second derivative of the ")
 
 
-def spectra_in_words(data: xr.Dataset) -> tuple[str, Shown]:
+def spectra_title(data: xr.Dataset) -> tuple[str, Shown]:
     """What the spectra are of, and its unit for readers."""
     channel, order = CHANNELS[data.attrs["channel"]], int(data.attrs["derivative"])
     title, unit = f"{ORDERS[order]}{channel.long_name}", str(data.attrs["unit"])
-    other = SHOWN.get(unit) or Shown(unit, unit.replace("/", "_").replace(" ", ""), 1.0)
-    return title[:1].upper() + title[1:], other if order else channel.shown
+    derived = SHOWN.get(unit) or Shown(unit, unit.replace("/", "_").replace(" ", ""), 1.0)
+    return title[:1].upper() + title[1:], derived if order else channel.shown
 
 
 def parts_of_channel(data: xr.Dataset) -> dict[str, dict[str, int]]:
     """The wheels, points, ... that have spectra: their places in the dataset by their names."""
     sizes = {str(dim): size for dim, size in data["rms"].sizes.items()}
-    places = [dict(zip(sizes, at, strict=True)) for at in product(*map(range, sizes.values()))]
-    several = [dim for dim, size in sizes.items() if size > 1]
+    cells = [dict(zip(sizes, cell, strict=True)) for cell in product(*map(range, sizes.values()))]
+    dims = [dim for dim, size in sizes.items() if size > 1]
     return {
-        " ".join(str(data[dim].values[at[dim]]) for dim in several) or str(data.attrs["channel"]): at for at in places
+        " ".join(str(data[dim].values[cell[dim]]) for dim in dims) or str(data.attrs["channel"]): cell for cell in cells
     }
 
 
 def spectra_table(data: xr.Dataset, run: str = "") -> Table:
     """A row for each wheel, point, ...: rms, the strongest line and third-octave. run: its name, where there are
     several."""
-    title, shown = spectra_in_words(data)
+    title, shown = spectra_title(data)
     rows: list[tuple[object, ...]] = []
-    for name, at in parts_of_channel(data).items():
-        one = data.isel(at)
-        line, band = (int(np.argmax(one[of].values)) for of in ("density", "band_rms"))
-        of_band = (float(one["band"][band]), shown.factor * float(one["band_rms"][band]))
-        rows.append((name, shown.factor * float(one["rms"]), float(one["frequency"][line]), *of_band))
+    for name, cell in parts_of_channel(data).items():
+        spectra = data.isel(cell)
+        line, band = (int(np.argmax(spectra[of].values)) for of in ("density", "band_rms"))
+        of_band = (float(spectra["band"][band]), shown.factor * float(spectra["band_rms"][band]))
+        rows.append((name, shown.factor * float(spectra["rms"]), float(spectra["frequency"][line]), *of_band))
     columns = (
         Column("of", key="of"), Column("rms", shown.unit, key=f"rms_{shown.suffix}"),
         Column("strongest line", "Hz", key="line_Hz"), Column("strongest third octave", "Hz", key="band_Hz"),

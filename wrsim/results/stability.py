@@ -46,9 +46,9 @@ def stability_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table
     lines += [summary["linearised"]] if "linearised" in summary else []
     tables = [Table(str(dataset.attrs["title"]), notes=tuple(lines))]
     rows = []
-    for one in np.flatnonzero(np.isfinite(dataset["mode_growth"].values).any(axis=1)):
-        at = dataset.isel(pose=int(one), mode=int(np.nanargmax(dataset["mode_growth"].values[one])))
-        rows.append((3.6 * at["pose_speed"].item(), *(at[f"mode_{name}"].item() for name in MODE)))
+    for pose in np.flatnonzero(np.isfinite(dataset["mode_growth"].values).any(axis=1)):
+        least_damped = dataset.isel(pose=int(pose), mode=int(np.nanargmax(dataset["mode_growth"].values[pose])))
+        rows.append((3.6 * least_damped["pose_speed"].item(), *(least_damped[f"mode_{name}"].item() for name in MODE)))
     heads = (Column("speed", "km/h"), Column("frequency", "Hz", ".3f"), Column("damping", "", ".3f"))
     tables.append(Table("least damped mode", (*heads, Column("growth", "1/s", ".3f"), Column("mode")), rows))
     if "cycle" not in dataset.dims:

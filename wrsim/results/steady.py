@@ -56,10 +56,10 @@ def steady_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
     """One line a curve: the wheel with the largest Y/Q; curves without a steady motion with the reason."""
     rows = []
     for i in np.flatnonzero(dataset["pose_message"].values == "").tolist():
-        at = dataset.isel(pose=i)
-        at = at.isel(at["Y_over_Q"].argmax(dim=at["Y_over_Q"].dims))  # type: ignore[arg-type]
-        values = (at[name].item() * CHANNELS[name].shown.factor for name in SHOWN)
-        rows.append((f"{at['wheelset'].item()} {at['wheel'].item()}", *values))
-    heads = (Column.of(CHANNELS[name], words, form) for name, (words, form) in SHOWN.items())
+        curve = dataset.isel(pose=i)
+        curve = curve.isel(curve["Y_over_Q"].argmax(dim=curve["Y_over_Q"].dims))  # type: ignore[arg-type]
+        values = (curve[name].item() * CHANNELS[name].shown.factor for name in SHOWN)
+        rows.append((f"{curve['wheelset'].item()} {curve['wheel'].item()}", *values))
+    heads = (Column.of(CHANNELS[name], label, form) for name, (label, form) in SHOWN.items())
     notes = (f"{name}: {message}" for name, message in summary["without_steady_motion"].items())
     return [Table(str(dataset.attrs["title"]), (Column("largest Y/Q on"), *heads), rows, tuple(notes))]

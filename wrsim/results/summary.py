@@ -40,8 +40,8 @@ class Peak:
     of several wheelsets, which leaves out those without; filtered: of forces as `filtered` has them."""
 
     channel: str
-    which: str
-    words: str
+    extreme: str
+    title: str
     short: str = ""
     filtered: bool = False
 
@@ -53,8 +53,8 @@ class Peak:
     @property
     def label(self) -> str:
         """Its words with which of the values it is: "max |Y|, raw"."""
-        name, comma, signal = self.words.partition(", ")
-        return LABELS[self.which].format(name) + comma + signal
+        name, comma, signal = self.title.partition(", ")
+        return LABELS[self.extreme].format(name) + comma + signal
 
 
 PEAKS = {
@@ -130,7 +130,7 @@ def _remarks(dataset: xr.Dataset, balance: Mapping[str, float] | None) -> dict[s
     remarks_at: list[tuple[str, str]] = []
     if "contact_remark" in dataset:
         (sample,) = dataset["contact_remark"].dims
-        places = [f"{sample} {at}" for at in dataset[sample].values]
+        places = [f"{sample} {position}" for position in dataset[sample].values]
         remarks_at += zip(places, dataset["contact_remark"].values.tolist(), strict=True)
     if "cycle_remark" in dataset:
         held = zip((3.6 * dataset["cycle_speed"].values).tolist(), dataset["cycle_branch"].values, strict=True)
@@ -140,9 +140,9 @@ def _remarks(dataset: xr.Dataset, balance: Mapping[str, float] | None) -> dict[s
         rest, signs = balance["left_over_kJ"], {"work": 1.0, "gained": -1.0}
         put_in = sum(max(signs.get(key.split("_")[0], 0.0) * value, 0.0) for key, value in balance.items())
         if put_in > LEAST_ENERGY and abs(rest) > LEFT_OVER * put_in:
-            words = f"{100.0 * rest / put_in:.3g} % of what was put in is not accounted for"
-            remarks_at.append(("energy", f"{words}: steps do not resolve the motion, or rails and contacts take it"))
-    remarks = {place: words for place, words in remarks_at if words}
+            message = f"{100.0 * rest / put_in:.3g} % of what was put in is not accounted for"
+            remarks_at.append(("energy", f"{message}: steps do not resolve the motion, or rails and contacts take it"))
+    remarks = {place: message for place, message in remarks_at if message}
     return {"remarks": remarks} if remarks else {}
 
 
@@ -154,14 +154,14 @@ def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     for dim, kinds in (("point", OF_POINT), ("span", OF_SPAN)):
         if dim in dataset.dims:
             each = {str(name): dataset.sel({dim: name}) for name in dataset[dim].values}
-            there = {key: kind for key, kind in kinds.items() if kind.channel in dataset}
-            summary[f"{dim}s"] = {n: {key: peak(one, kind) for key, kind in there.items()} for n, one in each.items()}
+            used = {key: kind for key, kind in kinds.items() if kind.channel in dataset}
+            summary[f"{dim}s"] = {n: {key: peak(data, kind) for key, kind in used.items()} for n, data in each.items()}
     if "kinetic_energy" in dataset:
         summary["energy"] = energy(dataset)
     if has_wear(dataset):
         summary["wear"] = summarise_wear(dataset)
     if happened := events(dataset):
-        summary["events"] = [{"time_s": t, "distance_m": s, "event": words} for t, s, words in happened]
+        summary["events"] = [{"time_s": t, "distance_m": s, "event": label} for t, s, label in happened]
     return summary
 
 
@@ -174,7 +174,7 @@ def events(dataset: xr.Dataset) -> list[tuple[float, float, str]]:
     if "event" not in dataset.dims:
         return []
     rows = zip(*(dataset[f"event_{name}"].values.tolist() for name in ("time", "distance", "label")), strict=True)
-    return [(t, s, str(words)) for t, s, words in rows if not str(words).startswith(CUT_STEPS)]
+    return [(t, s, str(label)) for t, s, label in rows if not str(label).startswith(CUT_STEPS)]
 
 
 ENERGY = {
@@ -221,24 +221,24 @@ LEFT_OVER, LEAST_ENERGY = 0.05, 1.0
 counts as much: 10 kN at 100 mm."""
 
 
-def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
+def _of_wheelset(data: xr.Dataset) -> dict[str, Any]:
     always = ("lateral_shift", "yaw")
-    wheels = _peaks(one, {key: kind for key, kind in OF_WHEELSET.items() if kind.channel in (*one, *always)})
+    wheels = _peaks(data, {key: kind for key, kind in OF_WHEELSET.items() if kind.channel in (*data, *always)})
     peaks: dict[str, Any] = {**wheels.pop(""), "wheels": wheels}
-    if "time" in one.dims:
-        peaks["full_curves"] = full_curves(one)
+    if "time" in data.dims:
+        peaks["full_curves"] = full_curves(data)
     return peaks
 
 
-def wheel_peaks(one: xr.Dataset) -> dict[str, dict[str, Any]]:
+def wheel_peaks(data: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Peaks of the wheels of one wheelset, by wheel and name."""
-    return {wheel: peaks for wheel, peaks in _peaks(one, {}).items() if wheel}
+    return {wheel: peaks for wheel, peaks in _peaks(data, {}).items() if wheel}
 
 
-def _peaks(one: xr.Dataset, of_wheelset: Mapping[str, Peak]) -> dict[str, dict[str, Any]]:
+def _peaks(data: xr.Dataset, of_wheelset: Mapping[str, Peak]) -> dict[str, dict[str, Any]]:
     """Peaks of the wheels of one wheelset by wheel, and of itself by ""; filtered ones where forces can be filtered."""
-    of_wheel = {key: kind for key, kind in PEAKS.items() if kind.channel != "temperature" or "temperature" in one}
-    smooth, sides = filtered(one), {str(wheel): side for side, wheel in enumerate(one["wheel"].values)}
+    of_wheel = {key: kind for key, kind in PEAKS.items() if kind.channel != "temperature" or "temperature" in data}
+    smooth, sides = filtered(data), {str(wheel): side for side, wheel in enumerate(data["wheel"].values)}
     kinds = {
         (name, key): kind
         for name in ("", *sides)
@@ -249,9 +249,9 @@ def _peaks(one: xr.Dataset, of_wheelset: Mapping[str, Peak]) -> dict[str, dict[s
         {place: (kind, sides.get(place[0])) for place, kind in kinds.items() if kind.filtered is wanted}
         for wanted in (False, True)
     )
-    extremes = _extremes(_parts(one, raw.values()), raw) | _extremes(smooth or (), slow)
+    extremes = _extremes(_parts(data, raw.values()), raw) | _extremes(smooth or (), slow)
     peaks: dict[str, dict[str, Any]] = {name: {} for name in ("", *sides)}
-    places = _places(one)
+    places = _places(data)
     for (name, key), kind in kinds.items():
         peaks[name][key] = _entry(places, kind, extremes.get((name, key)))
     return peaks
@@ -280,7 +280,7 @@ def _extremes(parts: Iterable[Part], kinds: Mapping[Any, Sided]) -> dict[Any, Ex
             if kind.channel != name or not part.size:
                 continue
             values = part if side is None else part[:, side]
-            ranks = np.where(np.isfinite(values), RANKS[kind.which](values), -np.inf)
+            ranks = np.where(np.isfinite(values), RANKS[kind.extreme](values), -np.inf)
             place = np.unravel_index(np.argmax(ranks), ranks.shape)
             if ranks[place] > (extremes[key][0] if key in extremes else -np.inf):
                 extremes[key] = ranks[place], values[place], (begin + int(place[0]), *map(int, place[1:]))
@@ -291,15 +291,15 @@ LOW_PASS, WINDOW = 20.0, 2.0
 """Filters of EN 14363: low-pass of forces [Hz], length of the sliding mean of ΣY and Y/Q [m]."""
 
 
-def filtered(one: xr.Dataset) -> Iterator[Part] | None:
+def filtered(data: xr.Dataset) -> Iterator[Part] | None:
     """Y and Q of a wheelset below LOW_PASS, ΣY and Y/Q of these as means over WINDOW about each sample, in parts: not a
     number less than half a window from the ends, and of Y/Q where a wheel has no load. None of poses, and where samples
     are too few, too slow or uneven."""
-    if "time" not in one.dims or not {"Y", "Q", "wheel", "distance"} <= {*one.variables} or one.sizes["wheel"] < 2:
+    if "time" not in data.dims or not {"Y", "Q", "wheel", "distance"} <= {*data.variables} or data.sizes["wheel"] < 2:
         return None
     from wrsim.results import filters  # brings numba, for runs alone
 
-    raster = filters.on_raster(one)
+    raster = filters.on_raster(data)
     forces = [raster.variables[name].transpose("time", "wheel") for name in ("Y", "Q")]
     place = raster["distance"].values
     if not (np.diff(place) > 0.0).all():
@@ -446,9 +446,9 @@ def summarise_wear(dataset: xr.Dataset) -> dict[str, Any]:
         }
     fatigue = {}
     for wheel in wheels:
-        one = dataset.sel(wheel=wheel)
-        most = finite(np.fmax.reduce(one["fatigue_index"].values, axis=None))
-        fatigue[wheel] = _deepest(one, "rail_damage", "wear_rail_u") | {"fatigue_index_max": most}
+        losses = dataset.sel(wheel=wheel)
+        most = finite(np.fmax.reduce(losses["fatigue_index"].values, axis=None))
+        fatigue[wheel] = _deepest(losses, "rail_damage", "wear_rail_u") | {"fatigue_index_max": most}
     return {"laws": laws, "fatigue": fatigue}
 
 
@@ -458,15 +458,15 @@ def worst_worn(dataset: xr.Dataset) -> str:
     return wheelsets(dataset)[int(np.argmax(mass))]
 
 
-def _worn_wheel(one: xr.Dataset) -> dict[str, Any]:
+def _worn_wheel(losses: xr.Dataset) -> dict[str, Any]:
     unit = CHANNELS["wear_wheel_mass"].shown
-    zones = zip(one["wear_zone"].values, one["wear_wheel_mass"].values, strict=True)
+    zones = zip(losses["wear_zone"].values, losses["wear_wheel_mass"].values, strict=True)
     mass = {f"{zone}_{unit.suffix}": finite(value, unit.factor) for zone, value in zones}
-    return mass | _deepest(one, "wear_wheel_depth", "wear_wheel_u")
+    return mass | _deepest(losses, "wear_wheel_depth", "wear_wheel_u")
 
 
-def _deepest(one: xr.Dataset, name: str, place: str) -> dict[str, Any]:
-    shown, values = CHANNELS[name].shown, one[name].values
-    at = int(np.argmax(np.where(np.isfinite(values), values, -np.inf)))
-    most, where = finite(values[at], shown.factor), finite(one[place].values[at], 1e3)
+def _deepest(losses: xr.Dataset, name: str, place: str) -> dict[str, Any]:
+    shown, values = CHANNELS[name].shown, losses[name].values
+    index = int(np.argmax(np.where(np.isfinite(values), values, -np.inf)))
+    most, where = finite(values[index], shown.factor), finite(losses[place].values[index], 1e3)
     return {f"{name}_max_{shown.suffix}".removesuffix("_"): most, f"{place}_mm": None if most is None else where}

@@ -57,7 +57,7 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
         known = {key: peak for key, peak in OF_WHEELSET.items() if any(cell.value for cell in cells[key])}
         known = {key: named(OF_WHEELSET, known)[key] for key in known}
         rows = [(label, *(cells[key][i] for key in known)) for i, label in enumerate(labels)]
-        heads = (Column("wheelset"), *(Column(peak.short or peak.words, peak.unit) for peak in known.values()))
+        heads = (Column("wheelset"), *(Column(peak.short or peak.title, peak.unit) for peak in known.values()))
         tables += [Table("largest magnitudes", heads, rows)] if known else []
     tables += curve_tables(labels, sets)
     if spans := summary.get("spans"):
@@ -66,7 +66,7 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
         rows = [(name, *(_placed(each[key]) for key in known)) for name, each in spans.items()]
         tables.append(Table("bridge, largest in the middle of its spans", heads, rows))
     if energy := summary.get("energy"):
-        parts = [(words, energy[key]) for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
+        parts = [(heading, energy[key]) for key, heading in ENERGY.items() if energy[key] or key == "left_over_kJ"]
         tables.append(Table("Energy balance", (Column(), Column("work", "kJ")), parts))
     notes = (*first_lines(happened(summary), "events"), *integration(summary))
     return [*tables, Table("", notes=notes)] if notes else tables
@@ -74,15 +74,15 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
 
 def patches_table(dataset: xr.Dataset, title: str) -> Table:
     """Patches of the poses of one wheelset: force, pressure, strips, width, range of contact angles."""
-    one = of_wheelset(dataset, wheelsets(dataset)[0]).transpose("pose", "wheel", "patch", ...)
-    places = np.argwhere(np.isfinite(one["N"].values))
-    dims = [d for d, many in (("pose", True), ("wheel", one.sizes["wheel"] > 1), ("patch", places[:, 2].any())) if many]
-    texts = [*(one[dim].values.tolist() for dim in ("pose", "wheel")), PATCHES]
-    heads = {name: word for name, word in OF_POSES.items() if name in one}
+    data = of_wheelset(dataset, wheelsets(dataset)[0]).transpose("pose", "wheel", "patch", ...)
+    places = np.argwhere(np.isfinite(data["N"].values))
+    dims = [d for d, use in (("pose", True), ("wheel", data.sizes["wheel"] > 1), ("patch", places[:, 2].any())) if use]
+    texts = [*(data[dim].values.tolist() for dim in ("pose", "wheel")), PATCHES]
+    heads = {name: word for name, word in OF_POSES.items() if name in data}
     rows: list[list[Cell]] = []
     for place in places[:MOST_PATCHES].tolist():
         names = [texts[k][i] for k, i in enumerate(place) if ("pose", "wheel", "patch")[k] in dims]
-        rows.append([*names, *(float(one[n].values[tuple(place)]) * CHANNELS[n].shown.factor for n in heads)])
+        rows.append([*names, *(float(data[n].values[tuple(place)]) * CHANNELS[n].shown.factor for n in heads)])
     columns = (*map(Column, dims), *(Column.of(CHANNELS[name], word) for name, word in heads.items()))
     more = (f"and {len(places) - MOST_PATCHES} more patches: see patches.csv",) if len(places) > MOST_PATCHES else ()
     return Table(title, columns, rows, more)
@@ -101,7 +101,7 @@ def overview(dataset: xr.Dataset) -> list[Table]:
     attributes = dataset.attrs
     ending = f"stopped: {attributes['stop_reason']}" if attributes["status"] == "stopped" else "completed"
     names = wheelsets(dataset)
-    about = [("analysis", f"{attributes['analysis']}, {ending}"), ("samples", extent_words(dataset))]
+    about = [("analysis", f"{attributes['analysis']}, {ending}"), ("samples", extent_text(dataset))]
     about.append(("wheelsets", join_names(names, MOST_NAMES)))
     if has_patches(dataset) and "snapshot_distance" in dataset:
         places = [formatted(float(distance), ".1f") for distance in dataset["snapshot_distance"].values]
@@ -116,19 +116,19 @@ def overview(dataset: xr.Dataset) -> list[Table]:
     return tables
 
 
-def extent_words(dataset: xr.Dataset) -> str:
+def extent_text(dataset: xr.Dataset) -> str:
     """How many samples or poses there are, and how far they go."""
     if "time" not in dataset.dims:
         unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
-        words = f"{dataset.sizes['pose']} pose{'s' * (dataset.sizes['pose'] != 1)}"
-        return words + (f", {unsolved} of them without a solution" if unsolved else "")
+        text = f"{dataset.sizes['pose']} pose{'s' * (dataset.sizes['pose'] != 1)}"
+        return text + (f", {unsolved} of them without a solution" if unsolved else "")
     time = dataset["time"].values
-    words = f"{time.size} sample{'s' * (time.size != 1)}"
+    text = f"{time.size} sample{'s' * (time.size != 1)}"
     if time.size > 1 and "distance" in dataset.coords:
         first, last = dataset["distance"].values[[0, -1]].tolist()
-        words += f" over {quantity(float(np.ptp(time)), 's')}"
-        words += f", {formatted(first, '.1f')} to {quantity(last, 'm', '.1f')}"
-    return words
+        text += f" over {quantity(float(np.ptp(time)), 's')}"
+        text += f", {formatted(first, '.1f')} to {quantity(last, 'm', '.1f')}"
+    return text
 
 
 def wheelset_tables(sets: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:
@@ -161,8 +161,8 @@ def named(peaks: Mapping[str, Peak], known: Collection[str]) -> dict[str, Peak]:
     """Peaks, which are not called raw where nothing filtered is beside them."""
     if any(key in known for key, peak in peaks.items() if peak.filtered):
         return dict(peaks)
-    plain = {key: (peak.words.removesuffix(", raw"), peak.short.removesuffix(" raw")) for key, peak in peaks.items()}
-    return {key: replace(peak, words=plain[key][0], short=plain[key][1]) for key, peak in peaks.items()}
+    plain = {key: (peak.title.removesuffix(", raw"), peak.short.removesuffix(" raw")) for key, peak in peaks.items()}
+    return {key: replace(peak, title=plain[key][0], short=plain[key][1]) for key, peak in peaks.items()}
 
 
 def _changes(cells: Sequence[ValueAt]) -> list[float | None]:
@@ -194,7 +194,7 @@ def curve_tables(labels: Sequence[str], sets: Sequence[Summary], most: int = MOS
         rows: list[list[Cell]] = []
         wheels = [part for of in curves for part in of[k].values() if isinstance(part, Mapping)]
         known = {name for part in (*(of[k] for of in curves), *wheels) for name in part}
-        channels = {name: words for name, words in CURVE_CHANNELS.items() if CHANNELS[name].column in known}
+        channels = {name: heading for name, heading in CURVE_CHANNELS.items() if CHANNELS[name].column in known}
         for label, each, of in zip(labels, sets, curves, strict=True):
             for j, wheel in enumerate(each["wheels"]):
                 values = (of[k] if j == 0 else {}) | of[k].get(wheel, {})
@@ -204,8 +204,8 @@ def curve_tables(labels: Sequence[str], sets: Sequence[Summary], most: int = MOS
                     cells = (patch.get(CHANNELS[name].column, "") for name in PATCH_CHANNELS)
                     rows.append([*(head if i == 0 else [""] * len(head)), PATCHES[i] if patch else "", *cells])
         heads = [*([Column("wheelset")] if several else []), Column("wheel")]
-        heads += [Column.of(CHANNELS[name], words) for name, words in channels.items()]
-        heads += [Column("patch"), *(Column.of(CHANNELS[name], words) for name, words in PATCH_CHANNELS.items())]
+        heads += [Column.of(CHANNELS[name], heading) for name, heading in channels.items()]
+        heads += [Column("patch"), *(Column.of(CHANNELS[name], heading) for name, heading in PATCH_CHANNELS.items())]
         more = (f"and {count - most} more full curves: see summary.json",) if k == most - 1 and count > most else ()
         tables.append(Table(_curve_title(curves[0][k]), tuple(heads), rows, more))
     return tables
@@ -226,12 +226,12 @@ def happened(summary: Summary) -> list[str]:
 
 def remarks(summary: Summary) -> list[str]:
     """Remarks on contacts of samples and on limit cycles."""
-    return [f"{place}: {words}" for place, words in summary.get("remarks", {}).items()]
+    return [f"{place}: {message}" for place, message in summary.get("remarks", {}).items()]
 
 
-def first_lines(lines: Sequence[str], what: str) -> tuple[str, ...]:
+def first_lines(lines: Sequence[str], noun: str) -> tuple[str, ...]:
     """The first lines, and how many more there are."""
-    more = (f"and {len(lines) - MOST_LINES} more {what}: see summary.json",) if len(lines) > MOST_LINES else ()
+    more = (f"and {len(lines) - MOST_LINES} more {noun}: see summary.json",) if len(lines) > MOST_LINES else ()
     return (*lines[:MOST_LINES], *more)
 
 
@@ -239,13 +239,13 @@ def integration(summary: Summary) -> list[str]:
     """What the integration of a run took; nothing of other analyses."""
     if (took := summary.get("integration")) is None:
         return []
-    words = f"{took['integrator']}: {took['steps']} steps of {quantity(took['step_ms'], 'ms')}"
-    words += f", {took['evaluations']} evaluations of the forces"
-    words += f", {took['jacobians']} Jacobians" if took["jacobians"] else ""
+    text = f"{took['integrator']}: {took['steps']} steps of {quantity(took['step_ms'], 'ms')}"
+    text += f", {took['evaluations']} evaluations of the forces"
+    text += f", {took['jacobians']} Jacobians" if took["jacobians"] else ""
     if refined := took.get("refined_steps"):
-        words += f"; {refined} of {took['steps']} steps refined"
+        text += f"; {refined} of {took['steps']} steps refined"
     cut = f"; {took['cut_steps']} of {took['steps']} steps subdivided"
-    return [words + (f"{cut}, {took['explicit_steps']} of them by rk44" if took["cut_steps"] else "")]
+    return [text + (f"{cut}, {took['explicit_steps']} of them by rk44" if took["cut_steps"] else "")]
 
 
 def _placed(peak: Summary | None, unit: str = "") -> ValueAt:

@@ -38,20 +38,20 @@ Cell = object
 class Column:
     """words: heading; unit: symbol; form: format of its numbers; key: its name in CSV and JSON files, with the unit."""
 
-    words: str = ""
+    label: str = ""
     unit: str = ""
     form: str = ".4g"
     key: str = ""
 
     @classmethod
-    def of(cls, channel: Channel, words: str = "", form: str = ".4g") -> Column:
+    def of(cls, channel: Channel, label: str = "", form: str = ".4g") -> Column:
         """The column of a channel, whose cells are in its unit for readers."""
-        return cls(words or channel.long_name, channel.shown.symbol, form, channel.column)
+        return cls(label or channel.long_name, channel.shown.symbol, form, channel.column)
 
     @property
     def heading(self) -> str:
         """Words with the unit in use: ``Y, largest [kN]``."""
-        return heading_in(with_unit(self.words, self.unit))[0]
+        return heading_in(with_unit(self.label, self.unit))[0]
 
 
 @dataclass(frozen=True)

@@ -44,15 +44,15 @@ def csv_of_contacts(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
         if any(present(dataset, ("fast_time", dim)) for dim in OF_VEHICLE):
             yield "vehicle_fast", _in_blocks(lambda part: wide(part, "fast_time", OF_VEHICLE), dataset, "fast_time")
     for name in names:
-        folder, one = wheelset_folder(names, name), of_wheelset(dataset, name)
-        if "time" in one.dims:
-            yield f"{folder}history", _in_blocks(lambda part: wide(part, "time", ("wheel",)), one)
-        if "fast_time" in one.dims:
-            yield f"{folder}fast", _in_blocks(lambda part: wide(part, "fast_time", ("wheel",)), one, "fast_time")
-        if any("patch" in variable.dims and "strip" not in variable.dims for variable in one.values()):
-            yield f"{folder}patches", _in_blocks(_patch_table, one)
-        if "strip" in one.dims:
-            yield f"{folder}strips", _strip_table(one)
+        folder, data = wheelset_folder(names, name), of_wheelset(dataset, name)
+        if "time" in data.dims:
+            yield f"{folder}history", _in_blocks(lambda part: wide(part, "time", ("wheel",)), data)
+        if "fast_time" in data.dims:
+            yield f"{folder}fast", _in_blocks(lambda part: wide(part, "fast_time", ("wheel",)), data, "fast_time")
+        if any("patch" in variable.dims and "strip" not in variable.dims for variable in data.values()):
+            yield f"{folder}patches", _in_blocks(_patch_table, data)
+        if "strip" in data.dims:
+            yield f"{folder}strips", _strip_table(data)
 
 
 def _in_blocks(table: Callable[[xr.Dataset], list[Row]], dataset: xr.Dataset, along: str = "time") -> Iterator[Row]:
@@ -62,31 +62,31 @@ def _in_blocks(table: Callable[[xr.Dataset], list[Row]], dataset: xr.Dataset, al
         yield from rows[1:] if begin else rows
 
 
-def _patch_table(one: xr.Dataset) -> list[Row]:
+def _patch_table(data: xr.Dataset) -> list[Row]:
     """One row per sample, wheel and patch in contact; every wheel keeps a row in static analyses."""
-    sample = "time" if "time" in one.dims else "pose"
-    channels = present(one, (sample, "wheel", "patch"))
-    contact = chosen(one, channels)
+    sample = "time" if "time" in data.dims else "pose"
+    channels = present(data, (sample, "wheel", "patch"))
+    contact = chosen(data, channels)
     if sample == "pose":
         contact[:, :, 0] = True
-    context = ["distance"] if "distance" in one.coords else []
-    pose = [*present(one, ("pose",)), *present(one, ("pose", "wheel"))]
-    return long(one, [sample, *context, "wheel", "patch", *pose, *channels], contact, (sample, "wheel", "patch"))
+    context = ["distance"] if "distance" in data.coords else []
+    pose = [*present(data, ("pose",)), *present(data, ("pose", "wheel"))]
+    return long(data, [sample, *context, "wheel", "patch", *pose, *channels], contact, (sample, "wheel", "patch"))
 
 
-def _strip_table(one: xr.Dataset) -> list[Row]:
-    moment = "snapshot" if "snapshot" in one.dims else "pose"
+def _strip_table(data: xr.Dataset) -> list[Row]:
+    moment = "snapshot" if "snapshot" in data.dims else "pose"
     dims = (moment, "wheel", "patch", "strip")
-    channels = present(one, dims)
-    context = [name for name in ("snapshot_time", "snapshot_distance") if name in one]
-    return long(one, [moment, *context, *dims[1:], *channels], chosen(one, channels), dims)
+    channels = present(data, dims)
+    context = [name for name in ("snapshot_time", "snapshot_distance") if name in data]
+    return long(data, [moment, *context, *dims[1:], *channels], chosen(data, channels), dims)
 
 
-def wide(dataset: xr.Dataset, dim: str, others: Iterable[str] = ()) -> list[Row]:
-    """One row per label of a dimension, a column for each label of ``others`` that a channel has (``Y_left_kN``)."""
+def wide(dataset: xr.Dataset, dim: str, dims: Iterable[str] = ()) -> list[Row]:
+    """One row per label of a dimension, a column for each label of ``dims`` that a channel has (``Y_left_kN``)."""
     names = [dim] if dim in CHANNELS else []
     names += present(dataset, (dim,))
-    names += [name for other in others for name in present(dataset, (dim, other))]
+    names += [name for label_dim in dims for name in present(dataset, (dim, label_dim))]
     return rows_of([(head, channel_cells(name, values)) for name in names for head, values in _flat(dataset, name)])
 
 
@@ -165,15 +165,15 @@ def _places(dataset: xr.Dataset, name: str) -> Iterator[tuple[tuple[Any, ...], N
 
 def long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], dims: tuple[str, ...]) -> list[Row]:
     """One row per chosen place in these dimensions; a channel may have some of the dimensions only."""
-    at = dict(zip(dims, np.nonzero(chosen), strict=True))
+    indices = dict(zip(dims, np.nonzero(chosen), strict=True))
     columns = []
     for name in names:
         if name in CHANNELS:
             values = dataset.variables[name]
-            at_rows = values.values[tuple(at[str(d)] for d in values.dims)]
+            at_rows = values.values[tuple(indices[str(d)] for d in values.dims)]
             columns.append((_head(name), channel_cells(name, at_rows)))
         else:
-            columns.append((name, [str(i) for i in at[name]]))
+            columns.append((name, [str(i) for i in indices[name]]))
     return rows_of(columns)
 
 

@@ -114,7 +114,7 @@ def in_text(text: str) -> str:
 def numbers_in(text: str, unit: Conversion) -> str:
     """Words with all of their numbers in another unit."""
 
-    def other(match: re.Match[str]) -> str:
+    def replacement(match: re.Match[str]) -> str:
         sign, digits = match[1], match[2]
         most = max(3, len(digits.replace(".", "").lstrip("0")))
         if (value := unit.forward(float(digits))) == 0.0:
@@ -122,7 +122,7 @@ def numbers_in(text: str, unit: Conversion) -> str:
         places = max(0, most - 1 - (int(log10(value)) if value >= 1.0 else 0))
         return f"{sign}{value:.{places}f}" if value < 10.0**most else f"{sign}{value:.0f}"
 
-    return re.sub(r"(?<![\w.])([-−+±]?)(\d+(?:\.\d+)?)", other, text)
+    return re.sub(r"(?<![\w.])([-−+±]?)(\d+(?:\.\d+)?)", replacement, text)
 
 
 def finer(form: str, unit: Conversion) -> str:

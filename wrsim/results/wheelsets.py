@@ -41,21 +41,21 @@ def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
     if name is not None and name not in names and name in map(str, range(1, len(names) + 1)):
         name = names[int(name) - 1]
     if name not in names:
-        what = f"no wheelset is called '{name}'{suggest(name, names)}; there are" if name else "choose a wheelset:"
-        raise InputError(f"{what} {', '.join(numbered(names).values())}")
+        fault = f"no wheelset is called '{name}'{suggest(name, names)}; there are" if name else "choose a wheelset:"
+        raise InputError(f"{fault} {', '.join(numbered(names).values())}")
     if "wheelset" not in dataset.dims:
         return dataset
-    one = dataset.drop_dims([*OF_VEHICLE, "event"], errors="ignore").sel(wheelset=name)
+    data = dataset.drop_dims([*OF_VEHICLE, "event"], errors="ignore").sel(wheelset=name)
     if len(names) > 1:
-        one.attrs["title"] = f"{dataset.attrs['title']}: wheelset {numbered(names)[name]}"
-    if "wheelset_distance" not in one:
-        return one
-    wheelset_place = one["wheelset_distance"].values
-    if len(names) > 1 and (place := one.get("fast_distance")) is not None:
-        at = np.interp(one["fast_time"].values, one["time"].values, wheelset_place)
-        one["fast_distance"] = (place.dims, at, dict(place.attrs))
+        data.attrs["title"] = f"{dataset.attrs['title']}: wheelset {numbered(names)[name]}"
+    if "wheelset_distance" not in data:
+        return data
+    wheelset_place = data["wheelset_distance"].values
+    if len(names) > 1 and (place := data.get("fast_distance")) is not None:
+        distances = np.interp(data["fast_time"].values, data["time"].values, wheelset_place)
+        data["fast_distance"] = (place.dims, distances, dict(place.attrs))
     distance = xr.Variable(("time",), wheelset_place, dict(dataset["distance"].attrs))
-    return one.drop_vars("wheelset_distance").assign_coords(distance=distance)
+    return data.drop_vars("wheelset_distance").assign_coords(distance=distance)
 
 
 def fast_of(dataset: xr.Dataset) -> xr.Dataset:
