@@ -72,7 +72,7 @@ def optimise(
         report, dataset = optimisation_report(search, beside), history(search)
         files = written.write_optimisation(search, dataset, report, computation.directory)
         tables = optimisation_tables(report)
-        makers = optimisation_figures(dataset, [one["number"] for one in report.get("front", [])])
+        makers = optimisation_figures(dataset, [point["number"] for point in report.get("front", [])])
         shown = makers if pictures else {}
         feasible = search.best().feasible
         texts = {f"Scenario {each.name}": each.base.text for each in candidates.scenarios}

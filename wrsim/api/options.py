@@ -169,9 +169,9 @@ def _described(parameter: inspect.Parameter) -> str:
     """A parameter in a docstring."""
     about = get_args(parameter.annotation)[1]
     text, default = about.help if isinstance(about, Option) else about, parameter.default
-    given = "" if default is inspect.Parameter.empty else ", optional"
-    given = f", default {default!r}" if isinstance(default, str | float | bool) and default != "" else given
-    return f"{parameter.name} : {_type_text(parameter)}{given}\n" + fill(
+    suffix = "" if default is inspect.Parameter.empty else ", optional"
+    suffix = f", default {default!r}" if isinstance(default, str | float | bool) and default != "" else suffix
+    return f"{parameter.name} : {_type_text(parameter)}{suffix}\n" + fill(
         text, 110, initial_indent="    ", subsequent_indent="    "
     )
 

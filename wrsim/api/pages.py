@@ -187,9 +187,9 @@ def write_live(
     return Outcome([], {}, [write_atomically(target, page.encode())], value=pairs)
 
 
-def _refuse(given: Mapping[str, Any], why: str) -> None:
+def _refuse(values: Mapping[str, Any], why: str) -> None:
     """Raise InputError for an option of a live page that is not as it is without being given."""
-    for name, value in given.items():
+    for name, value in values.items():
         known = inspect.signature(write_live).parameters.get(name)
         if value != (known.default if known else None):
             flag = {"values": "set", "step": "step-ms"}.get(name, name.replace("_", "-"))

@@ -117,12 +117,12 @@ def profiles(
     if on is None and (without := [option for option, value in paired.items() if value is not None]):
         raise InputError(f"{', '.join(without)} without --on: only conicity and p0 on that FILE need it")
     names, body = [files] if isinstance(files, str) else list(files), body_of(kind)
-    unworn, other, onto = (
+    unworn, mating, onto = (
         None if name is None else load_profile(model_file(name, models)) for name in (reference, on, align)
     )
     pairing = Pairing((flange_back_mm or 1360.0) / 1e3, inclination or "1:40", "none", models, reading)
     gauge, radius, load = (gauge_mm or 1435.0) / 1e3, (radius_mm or 460.0) / 1e3, 1e3 * (load_kN or 60.0)
-    partner = None if other is None else Partner(other, pairing, gauge, radius, load)
+    partner = None if mating is None else Partner(mating, pairing, gauge, radius, load)
     alone = len(names) == 1 and not Path(names[0]).is_dir()
     if cutoff and not alone:
         raise InputError("--cutoff compares cut-offs of one file: give one, or describe each in a TOML file")

@@ -88,8 +88,8 @@ def assess_runs(
 def _common_settings(results: Sequence[Result], labels: Sequence[str]) -> AssessmentSettings:
     """[assessment] of the scenarios of all runs. Raises InputError where they differ."""
     settings = [_settings_of(result.dataset) for result in results]
-    for label, other in zip(labels, settings, strict=True):
-        if other != settings[0]:
+    for label, run_settings in zip(labels, settings, strict=True):
+        if run_settings != settings[0]:
             raise InputError(
                 f"the runs {labels[0]} and {label} have different [assessment] in their scenarios; "
                 "name one for all of them (--scenario)"
@@ -222,12 +222,12 @@ def _checked(result: Result, history: HistorySection) -> xr.Dataset:
 def _check_alike(runs: Sequence[_Run]) -> None:
     """Raises InputError for runs whose wheelsets or points are not the same."""
     for run in runs[1:]:
-        for what in ("axles", "points"):
-            names, first = ([part.name for part in getattr(each, what)] for each in (run, runs[0]))
+        for kind in ("axles", "points"):
+            names, first = ([part.name for part in getattr(each, kind)] for each in (run, runs[0]))
             if names != first:
                 raise InputError(
                     f"the runs {runs[0].name} and {run.name} are not of one vehicle: the first has the "
-                    f"{what.replace('axles', 'wheelsets')} {', '.join(first) or 'none'}, the other "
+                    f"{kind.replace('axles', 'wheelsets')} {', '.join(first) or 'none'}, the other "
                     f"{', '.join(names) or 'none'}"
                 )
 

@@ -93,6 +93,6 @@ def regression(
     slope = tuple(float(b / np.ptp(known[name])) for b, name in zip(coefficients[1:], differ, strict=True))
     fit = float(coefficients[0])
     estimate = fit + quantile * deviation * float(np.sqrt(1.0 + leverage))
-    others = matrix[:, 2:] @ coefficients[2:]
+    contribution = matrix[:, 2:] @ coefficients[2:]
     places = known[differ[0]] if differ else np.zeros(values.size)
-    return Regression(tuple(differ), place, slope, fit, deviation, estimate, places, values - others)
+    return Regression(tuple(differ), place, slope, fit, deviation, estimate, places, values - contribution)

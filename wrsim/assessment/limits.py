@@ -112,8 +112,8 @@ Radius = Annotated[float, number(0, 1e5, "m")]
 Force = Annotated[float, number(0, 1e4, "kN")]
 
 
-def _of_kind(given: float | ByKind, kind: Kind) -> float:
-    return getattr(given, kind) if isinstance(given, ByKind) else given  # type: ignore[no-any-return]
+def _of_kind(value: float | ByKind, kind: Kind) -> float:
+    return getattr(value, kind) if isinstance(value, ByKind) else value  # type: ignore[no-any-return]
 
 
 class LimitLaw(Choice, header="limit"):

@@ -110,8 +110,8 @@ def _friction_of(dataset: xr.Dataset) -> float | None:
         return rise + float(max(dataset[name].max() for name in ("rail_friction", "rail_friction_corner")))
     if contact is None:
         return None
-    both = contact.get("friction", _largest(ContactSettings().friction))
-    largest = [_largest(contact.get(f"friction_{side}", both)) for side in ("left", "right")]
+    friction = contact.get("friction", _largest(ContactSettings().friction))
+    largest = [_largest(contact.get(f"friction_{side}", friction)) for side in ("left", "right")]
     return max((rise + value for value in largest if value is not None), default=None)
 
 

@@ -232,8 +232,8 @@ class Assessment:
         if self.lone:
             return NO_VERDICT
         without = f"; without a limit or a value here: {', '.join(self.unlimited)}" if self.unlimited else ""
-        which = "every quantity with a limit" if self.unlimited else "every quantity"
-        return f"{which} is within its limit{without}" if self.passed else f"A LIMIT IS EXCEEDED{without}"
+        subject = "every quantity with a limit" if self.unlimited else "every quantity"
+        return f"{subject} is within its limit{without}" if self.passed else f"A LIMIT IS EXCEEDED{without}"
 
     def tightest(self) -> ZoneValue | None:
         """Where least is left to a limit; None where there are no limits."""

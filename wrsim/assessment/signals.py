@@ -179,13 +179,13 @@ class AxleSignals(Forces):
         inside = section.holds(self.distance)
         if inside.sum() < 2:
             return
-        here = about(section, settings, self.load)
+        context = about(section, settings, self.load)
         for clause in rules.judging("axle"):
             nadal = climbing.nadal(clause.friction)
             result = self._found(clause, section, inside, None if nadal is None else nadal[0], climbing)
             if result is None:
                 continue
-            limit = clause.limit_at(replace(here, nadal=nadal))
+            limit = clause.limit_at(replace(context, nadal=nadal))
             if np.ndim(result) == 0:
                 yield self.value(clause, section, float(result), limit)
             for wheel, side in SIDES if np.ndim(result) else ():
@@ -253,14 +253,14 @@ class BogieSignals(Forces):
     def values(self, section: AssessedSection, settings: AssessmentSettings, rules: RulesFile) -> Iterator[Value]:
         """Everything in one section."""
         self.load = float(np.mean([axle.load for axle in self.axles]))
-        here = about(section, settings, self.load)
+        context = about(section, settings, self.load)
         for clause in rules.judging("bogie"):
             signal = SIGNALS[clause.quantity]
             result = self.statistic(clause, section, lambda: signal(self, clause.low_pass_Hz))  # noqa: B023
             if result is None:
                 continue
             for wheel, side in SIDES:
-                yield Value(clause.judged, section, "", wheel, result[side], clause.limit_at(here), self.name)
+                yield Value(clause.judged, section, "", wheel, result[side], clause.limit_at(context), self.name)
 
 
 def quasi_static(
@@ -273,7 +273,7 @@ def quasi_static(
     clauses = [clause for key in FULL_CURVES if (clause := rules.about(key)) is not None]
     less = rules.about("Y_qst_reduced")
     for zone, radius in radii.items():
-        here = LimitContext(zone=zone, radius=radius)
+        context = LimitContext(zone=zone, radius=radius)
         members = [
             (axle, section, inside, 1 if section.radius > 0.0 else 0)
             for axle, sections in runs
@@ -281,7 +281,7 @@ def quasi_static(
             if section.zone == zone and (inside := section.holds(axle.distance)).sum() >= 2
         ]
         lean, reduced = [0.0] * len(members), False  # Y/Q of the inner wheel
-        if members and less is not None and less.limit_at(here) is not None:
+        if members and less is not None and less.limit_at(context) is not None:
             quotients = ((axle.quotient(less.low_pass_Hz), inside, outer) for axle, _, inside, outer in members)
             lean = [float(np.median(quotient[inside, 1 - outer])) for quotient, inside, outer in quotients]
             reduced = float(np.mean(lean)) > given(less.lean)
@@ -296,19 +296,19 @@ def quasi_static(
                     evaluated = y - 1e3 * given(clause.lean_force_kN) * (inner - given(clause.lean))
                 elif key == "B_qst":
                     evaluated = abs(y) + given(clause.part) * q
-                limit = None if key == "Y_qst" and reduced else clause.limit_at(here)
+                limit = None if key == "Y_qst" and reduced else clause.limit_at(context)
                 yield axle.value(clause, section, evaluated, limit, SIDES[outer][0])
 
 
 class AssessedPoint:
     """Accelerations [m/s2] of one point on a car body or a bogie frame."""
 
-    def __init__(self, one: xr.Dataset, level: str, settings: AssessmentSettings, rules: RulesFile) -> None:
+    def __init__(self, data: xr.Dataset, level: str, settings: AssessmentSettings, rules: RulesFile) -> None:
         """one: what a result has of the point; level: ``CAR_BODY`` or ``BOGIE_FRAME``."""
-        self.name, self.is_frame = str(one["point"].item()), level == BOGIE_FRAME
-        self.bogie_mass = float(one["point_bogie_mass"]) if "point_bogie_mass" in one else np.nan
-        self.distance, self.rate = one["distance"].values, filters.sampling_rate(one["time"].values)
-        self.signals = {"ay": one["point_ay"].values, "az": one["point_az"].values}
+        self.name, self.is_frame = str(data["point"].item()), level == BOGIE_FRAME
+        self.bogie_mass = float(data["point_bogie_mass"]) if "point_bogie_mass" in data else np.nan
+        self.distance, self.rate = data["distance"].values, filters.sampling_rate(data["time"].values)
+        self.signals = {"ay": data["point_ay"].values, "az": data["point_az"].values}
         clause = rules.about("frame_instability")
         self.hunting = hunting(clause, self.distance, self.signals["ay"], self.rate, settings)
         self.clauses = rules.judging("frame" if self.is_frame else "body")
@@ -332,7 +332,7 @@ class AssessedPoint:
     def values(self, section: AssessedSection, settings: AssessmentSettings) -> Iterator[Value]:
         """Everything in one section."""
         inside = section.holds(self.distance)
-        here = replace(about(section, settings), bogie_mass=self.bogie_mass)
+        context = replace(about(section, settings), bogie_mass=self.bogie_mass)
         for clause in self.clauses:
             key, signal = clause.quantity, self._filtered[clause.id][inside]
             result: float | None = None
@@ -349,7 +349,7 @@ class AssessedPoint:
             elif section.zone not in (STRAIGHT, TRANSITION):
                 result = abs(float(np.median(signal)))
             if result is not None:
-                yield Value(clause.judged, section, "", "", result, clause.limit_at(here), self.name)
+                yield Value(clause.judged, section, "", "", result, clause.limit_at(context), self.name)
 
 
 def assessed_points(dataset: xr.Dataset, settings: AssessmentSettings, rules: RulesFile) -> Iterator[AssessedPoint]:
@@ -357,7 +357,7 @@ def assessed_points(dataset: xr.Dataset, settings: AssessmentSettings, rules: Ru
     if "point_ay" not in dataset or "point_az" not in dataset:
         return
     for i in range(dataset.sizes["point"]):
-        one = dataset.isel(point=i)
-        level = str(one["point_level"].item()) if "point_level" in one else CAR_BODY
+        data = dataset.isel(point=i)
+        level = str(data["point_level"].item()) if "point_level" in data else CAR_BODY
         if level in (CAR_BODY, BOGIE_FRAME):
-            yield AssessedPoint(one, level, settings, rules)
+            yield AssessedPoint(data, level, settings, rules)

@@ -109,7 +109,7 @@ MOST_SHARED = 12
 _SHARED: dict[Hashable, tuple[dict[Path, bytes], Any]] = {}
 
 
-def _shared(digests: Digests, scenario: Scenario, what: str, names: list[str], make: Callable[[], Any]) -> Any:
+def _shared(digests: Digests, scenario: Scenario, part_name: str, names: list[str], make: Callable[[], Any]) -> Any:
     """What is made of these tables of a scenario; the vehicle does not depend on its speed, unless in the wind."""
     if digests is None:
         return make()
@@ -117,7 +117,7 @@ def _shared(digests: Digests, scenario: Scenario, what: str, names: list[str], m
     tables = {name: data.get(name) for name in ("analysis", "profiles", *names)}
     if "vehicle" in names and scenario.spec.vehicle.wind is None:
         tables["vehicle"] = {key: value for key, value in data["vehicle"].items() if key != "speed_kmh"}
-    key = what, frozenset(digests.items()), scenario.finder, repr(tables)
+    key = part_name, frozenset(digests.items()), scenario.finder, repr(tables)
     with noting_reads() as read:
         reads, part = _SHARED.pop(key) if key in _SHARED else (read, make())
         read.update(reads)
@@ -172,8 +172,8 @@ def _build(scenario: Scenario, shared: Callable[..., Any]) -> Setup[Any]:
     table = scenario.table(resolved(next(iter(analysis.tables.values()))))
     drive = spec.vehicle.drive or vehicle.drive
     speed = spec.vehicle.speed_kmh
-    given = PlanContext(analysis, vehicle, track, drive, speed, scenario.table, scenario.find, scenario.fault)
-    plan = table.plan(given)
+    context = PlanContext(analysis, vehicle, track, drive, speed, scenario.table, scenario.find, scenario.fault)
+    plan = table.plan(context)
     if any(surfaces) and getattr(plan, "wear", None) is not None:
         message = "knows rails of one profile only, not [[track.rail_sections]]"
         raise scenario.fault(("wear", "laws"), message)
@@ -256,12 +256,12 @@ def contact_of(scenario: Scenario, track: Track) -> ContactSettings:
     """
     section = scenario.spec.contact
     settings = section.settings()
-    both = law_of(section.of_side("friction", "left")[1]), law_of(section.of_side("friction", "right")[1])
+    laws = law_of(section.of_side("friction", "left")[1]), law_of(section.of_side("friction", "right")[1])
     if section.friction_table is not None:
-        table = partial(_of_table, before=both)
+        table = partial(_of_table, before=laws)
         frictions = scenario.read(("contact", "friction_table"), section.friction_table, table)
     elif section.friction_sections:
-        frictions = _of_sections(scenario, both)
+        frictions = _of_sections(scenario, laws)
     else:
         return settings
     if not ANALYSES[scenario.analysis].moves:

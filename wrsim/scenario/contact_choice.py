@@ -25,9 +25,9 @@ HERTZ = "hertz"
 def with_contact_model(scenario: Scenario, name: str) -> Scenario:
     """The scenario with the contact model of that name, checked. Raises InputError that names the model."""
     values = _values(scenario, name)
-    given = {key: value for key, value in values.items() if value is not None}
+    settings = {key: value for key, value in values.items() if value is not None}
     try:
-        return scenario.with_values(given, without=[*(values.keys() - given)]) if values else scenario
+        return scenario.with_values(settings, without=[*(values.keys() - settings)]) if values else scenario
     except InputError as error:
         raise InputError("\n".join(f'model "{name}": {line}' for line in str(error).split("\n"))) from None
 

@@ -126,11 +126,11 @@ class Scenario:
             key, _, value = (part.strip() for part in option.partition("="))
             if not key or not value:
                 raise InputError(f"--set {shortened(option)}: must be key=value, such as vehicle.speed_kmh=60")
-            owner, given = f"--set {shortened(option)}", parse_value(value)
+            owner, parsed = f"--set {shortened(option)}", parse_value(value)
             try:
-                scenario = scenario.with_values({key: given}, owner)
+                scenario = scenario.with_values({key: parsed}, owner)
             except InputError as error:  # bare words are texts here, only numbers may be meant otherwise
-                if isinstance(given, float):
+                if isinstance(parsed, float):
                     with suppress(InputError):  # the name 60E1 is a number in TOML
                         scenario = scenario.with_values({key: value}, owner)
                         continue
@@ -229,9 +229,9 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
     return scenario
 
 
-def loaded(given: Scenario | str | Path, models: Sequence[str | Path] = ()) -> Scenario:
+def loaded(source: Scenario | str | Path, models: Sequence[str | Path] = ()) -> Scenario:
     """What is given, or the scenario of that file."""
-    return given if isinstance(given, Scenario) else load(given, models)
+    return source if isinstance(source, Scenario) else load(source, models)
 
 
 def load_text(

@@ -97,7 +97,7 @@ def _curve_doubts(setup: Setup) -> Iterator[str]:
     curved = np.abs(curvatures) > LEAST_CURVATURE
     deficiencies = np.where(curved, 1.5 * speeds**2 * np.abs(curvatures) / 9.81 - cants, 0.0)
     outward = np.where(curved, -cants, 0.0)
-    for what, values, most, hint in (
+    for quantity, values, most, hint in (
         ("cant deficiency", deficiencies, MOST_DEFICIENCY, "plausible is up to 300 mm, of trains that tilt"),
         ("cant that leans outward", outward, LEAST_CANT, "positive cant_mm leans inside, in curves to either side"),
     ):
@@ -105,7 +105,7 @@ def _curve_doubts(setup: Setup) -> Iterator[str]:
         if values[k] > most:
             where = "" if places is None else f", at {places[k]:.5g} m"
             curve = f"R {abs(1.0 / curvatures[k]):.4g} m, {3.6 * speeds[k]:.4g} km/h{where}"
-            yield f"track: {1e3 * values[k]:.4g} mm of {what} ({curve}); {hint}"
+            yield f"track: {1e3 * values[k]:.4g} mm of {quantity} ({curve}); {hint}"
 
 
 def _bridged(setup: Setup) -> Iterator[str]:
@@ -118,9 +118,9 @@ def _bridged(setup: Setup) -> Iterator[str]:
         up = path.table[:, COLUMNS.index("kz")]
         k = int(np.argmax(up if up.max() > round_by else np.abs(up)))
         if abs(up[k]) > MOST_BENT * round_by:
-            what = "is more hollow than a wheel, which bridges it" if up[k] > round_by else "bends under the contact"
+            fault = "is more hollow than a wheel, which bridges it" if up[k] > round_by else "bends under the contact"
             bend = f"{up[k]:.3g} 1/m at {k * path.step:.5g} m of the {side} rail, of {round_by:.3g} 1/m of a wheel"
-            yield f"track.irregularities: the rail {what} ({bend}); contacts take it as straight: use rail_sections"
+            yield f"track.irregularities: the rail {fault} ({bend}); contacts take it as straight: use rail_sections"
 
 
 def _askew(setup: Setup) -> Iterator[str]:
@@ -149,11 +149,11 @@ def _peaks(rail: Profile) -> bool:
 def vehicle_warnings(vehicle: Vehicle) -> list[str]:
     """The same of a vehicle on its own."""
     unusual = {
-        f"{what} = {value:.4g} {unit} is outside of the usual {low:g} to {high:g} {unit}: is it meant so?": what
-        for what, value, (low, high), unit in _values(vehicle)
+        f"{quantity} = {value:.4g} {unit} is outside of the usual {low:g} to {high:g} {unit}: is it meant so?": quantity
+        for quantity, value, (low, high), unit in _values(vehicle)
         if not low <= value <= high
     }
-    known = [what.split("'")[1] for what in unusual.values() if what.startswith("mass")]
+    known = [quantity.split("'")[1] for quantity in unusual.values() if quantity.startswith("mass")]
     return [*doubts(vehicle, known), *unusual, *value_doubts(vehicle)]
 
 

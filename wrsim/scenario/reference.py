@@ -49,7 +49,7 @@ def _chosen(section: str, tables: list[type[Section]]) -> dict[type[Section], li
         candidates = {
             k: [e for e in entries(k) if key in (e.key, *e.aliases, *e.us)] for k in tables if table in ("", *_names(k))
         }
-        if matching := {kind: those for kind, those in candidates.items() if those}:
+        if matching := {kind: keys for kind, keys in candidates.items() if keys}:
             return matching
         if table and candidates:
             known = [e.key for kind in candidates for e in entries(kind)]

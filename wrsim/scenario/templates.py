@@ -66,12 +66,12 @@ def scenario_template(analysis: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _keys_of(table: type[Section], given: dict[str, Any], name: str) -> list[str]:
+def _keys_of(table: type[Section], values: dict[str, Any], name: str) -> list[str]:
     """Lines of one table: keys that are given, others as comments, then lists of tables."""
     lines, after = [], []
     for entry in entries(table):
         annotation = fields(table)[entry.key]
-        value = given.get(entry.key)
+        value = values.get(entry.key)
         if isinstance(value, list) and isinstance(value[0], dict):
             for each in value:
                 after += ["", f"[[{name}.{entry.key}]]", *(f"{k} = {shown_value(v)}" for k, v in each.items())]

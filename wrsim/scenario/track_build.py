@@ -60,12 +60,12 @@ def track_model(path: Path, models: Sequence[str | Path] = (), alignment: str | 
     if path.suffix.lower() in ENDINGS:
         line, gauge, base, law, row = _laid_line(path, alignment, None, None)
         return Track.from_laws(law, gauge, segments=row, cant_base=base, alignment=line)
-    data, _ = opened(path, what := "scenario or track file")
+    data, _ = opened(path, noun := "scenario or track file")
     kind, of_scenario = kind_of(path), {"analysis", "vehicle", BASE} & {*data}
-    other = kind and not kind.startswith(("a scenario", "a track"))
-    if other or not (of_scenario or "track" in data):
-        fault = f"is {kind}" if other else f"has neither [track] nor analysis, vehicle or {BASE}"
-        raise InputError(f"{path}: {fault}; a {what} is needed here")
+    foreign = kind and not kind.startswith(("a scenario", "a track"))
+    if foreign or not (of_scenario or "track" in data):
+        fault = f"is {kind}" if foreign else f"has neither [track] nor analysis, vehicle or {BASE}"
+        raise InputError(f"{path}: {fault}; a {noun} is needed here")
     if "track" in data and not of_scenario:
         runs = {"analysis": "curving", "vehicle": {"model": "any", "speed_kmh": 60}}
         scenario = load_text(write_toml(runs | {"track": {FILE: str(path.absolute())}}), path.parent, models)
@@ -242,15 +242,13 @@ def surfaces_of(scenario: Scenario, track: Track) -> tuple[RailSurface | None, R
     for side, curve in zip(SIDES, (track.left_curve, track.right_curve), strict=True):
         sections = []
         for i, each in on_side(scenario.spec.track.rail_sections, side):
-            for one in read[i]:
-                place = each.at_m + one.distance
+            for section in read[i]:
+                place = each.at_m + section.distance
                 if not 0.0 <= place <= track.length:
-                    which = (
-                        "" if each.rail is not None else f"its section at {one.distance:g} m lies at {place:g} m: it "
-                    )
-                    message = f"{which}must be on the track, which is {track.length:g} m long"
+                    subject = f"its section at {section.distance:g} m lies at {place:g} m: it " * (each.rail is None)
+                    message = f"{subject}must be on the track, which is {track.length:g} m long"
                     raise scenario.fault(("track", "rail_sections", i, "at_m"), message)
-                sections.append(replace(one, distance=float(curve.arclength(place))))
+                sections.append(replace(section, distance=float(curve.arclength(place))))
         with scenario.faults_at(("track", "rail_sections")):
             surfaces.append(RailSurface(f"{side} rail", tuple(sections)) if sections else None)
     return surfaces[0], surfaces[1]
@@ -270,13 +268,13 @@ def _rail_sections(scenario: Scenario, i: int) -> list[RailSection]:
             sections = read_sections(file, bool(entry.measured))
         else:
             sections = [RailSection(0.0, load_profile(file, "rail"), features)]
-        laid = [_laid(one.profile, spec.inclination, spec.gauge_depth_mm / 1e3, entry.check_rail) for one in sections]
+        laid = [_laid(s.profile, spec.inclination, spec.gauge_depth_mm / 1e3, entry.check_rail) for s in sections]
         if entry.check_rail is not None:
             return [RailSection(0.0, rail, (floor_of(rail), rail.head)) for rail in laid]
-        return [replace(one, profile=rail) for one, rail in zip(sections, laid, strict=True)]
+        return [replace(s, profile=rail) for s, rail in zip(sections, laid, strict=True)]
 
     sections = scenario.read(key, getattr(entry, kind), read)
-    return [replace(one, profile=one.profile.shifted(*shift)) for one in sections]
+    return [replace(s, profile=s.profile.shifted(*shift)) for s in sections]
 
 
 def check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track) -> None:
@@ -296,8 +294,8 @@ def check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile
             )
             if gauge == nominal:
                 key, name = scenario.spec.vehicle.of_side("wheel", side)
-                others: list[KeyPath] = [("track", "gauge_mm"), ("vehicle", "model" if name is None else key)]
-                named = " and ".join(f"{dotted(other)} in {scenario.locate(other)}" for other in others)
+                keys: list[KeyPath] = [("track", "gauge_mm"), ("vehicle", "model" if name is None else key)]
+                named = " and ".join(f"{dotted(key_path)} in {scenario.locate(key_path)}" for key_path in keys)
                 raise scenario.fault(("track", spec.of_side("rail", side)[0]), f"{message}; see {named}")
             designed = track.widening(np.array([f.start for f in track.features()] + [track.length]))
             beyond = not designed.min() - 1e-9 <= gauge - nominal <= designed.max() + 1e-9

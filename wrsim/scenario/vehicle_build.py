@@ -163,7 +163,7 @@ def _with_loads(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
     added = Assembly({}, {}, scenario.locate, bodies=bodies, wheelsets=wheelsets)
     added.add_loads(scenario.spec.vehicle, ("vehicle",), Place())
     for i, load in enumerate(added.loads):
-        if load.name in (other.name for other in (*vehicle.loads, *added.loads[:i])):
+        if load.name in (earlier.name for earlier in (*vehicle.loads, *added.loads[:i])):
             raise scenario.fault(("vehicle", "loads", i, "name"), "is the name of another load")
     with scenario.faults_at(("vehicle", "payloads")):
         vehicle = with_ballast(vehicle, added.ballast)

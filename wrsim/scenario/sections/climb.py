@@ -49,16 +49,16 @@ class ClimbSection(PlanTable, header="[climb]"):
         if count > MOST_POINTS:
             yield Fault((), f"describes {count} points; must be at most {MOST_POINTS}")
 
-    def plan(self, given: PlanContext) -> ClimbPlan:
-        if given.vehicle.bodies or len(given.vehicle.wheelsets) > 1:
-            raise given.fault(("vehicle", "model"), 'is a vehicle; analysis = "climb" knows a single wheelset')
-        if given.vehicle.loads:
-            raise given.fault(("vehicle", "loads"), "are for other analyses: [climb] gives the forces on the wheelset")
-        if given.vehicle.wheelsets[0].wheelset.torsion is not None:
-            raise given.fault(("vehicle", "model"), 'has wheels that turn against each other; analysis = "climb" not')
+    def plan(self, context: PlanContext) -> ClimbPlan:
+        vehicle, fault = context.vehicle, context.fault
+        if vehicle.bodies or len(vehicle.wheelsets) > 1:
+            raise fault(("vehicle", "model"), 'is a vehicle; analysis = "climb" knows a single wheelset')
+        if vehicle.loads:
+            raise fault(("vehicle", "loads"), "are for other analyses: [climb] gives the forces on the wheelset")
+        if vehicle.wheelsets[0].wheelset.torsion is not None:
+            raise fault(("vehicle", "model"), 'has wheels that turn against each other; analysis = "climb" not')
         points: dict[str, ClimbPoint] = {}
         for attack, quotient in product(self.angle_of_attack_mrad, self.Y_over_Q):
             name = f"{attack:.10g}mrad_{quotient:.10g}"
             points[name] = ClimbPoint(name, attack / 1e3, quotient)
-        speed = given.one_speed or USUAL_SPEED / 3.6
-        return ClimbPlan(tuple(points.values()), speed, self.longest_m)
+        return ClimbPlan(tuple(points.values()), context.one_speed or USUAL_SPEED / 3.6, self.longest_m)

@@ -49,6 +49,6 @@ class ConicitySection(PlanTable, header="[conicity]"):
     flange_from_deg: FlangeAngle = degrees(FLANGE_FROM)
     """Contact angle of the outer wheel from which it counts as on its flange, for the radial steering index."""
 
-    def plan(self, given: PlanContext) -> ConicityPlan:
+    def plan(self, context: PlanContext) -> ConicityPlan:
         amplitudes = tuple(a / 1000.0 for a in self.amplitude_mm)
         return ConicityPlan(amplitudes, self.roll, self.curve_radius_m, radians(self.flange_from_deg))

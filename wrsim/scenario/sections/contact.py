@@ -301,8 +301,8 @@ class ContactSection(Section, header="[contact]"):
         if raw.get("approach") == "constant":
             yield Fault("approach", f'"constant" is Kik-Piotrowski\'s: normal = "{name}" projects the approach')
         if "strip_width_mm" in raw:
-            others = f'normal = "{name}" takes a number of strips, strips = {fewest} to {most}'
-            yield Fault("strip_width_mm", f'goes with normal = "kik-piotrowski" only: {others}')
+            hint = f'normal = "{name}" takes a number of strips, strips = {fewest} to {most}'
+            yield Fault("strip_width_mm", f'goes with normal = "kik-piotrowski" only: {hint}')
 
     def consistency(self) -> Iterator[Fault]:
         law = self.tangential or USUAL[self.normal].tangential

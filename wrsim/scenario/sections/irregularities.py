@@ -213,8 +213,8 @@ class McatSection(IrregularityTable, kind="mcat"):
         if self.track_class is not None and self._of_class() is None:
             known = [str(c) for c in range(1, 10) if self._row().get(str(c))]
             have = f"has it of classes {', '.join(known)}" if known else "has none"
-            what = f"{self.deviation}, {self.course}, chord {self.chord_ft} ft: the table of wrsim {have}"
-            yield Fault("track_class", f"{what}; give amplitude_mm")
+            message = f"{self.deviation}, {self.course}, chord {self.chord_ft} ft: the table of wrsim {have}"
+            yield Fault("track_class", f"{message}; give amplitude_mm")
         if self.deviation == "combined" and self.surface_mm is None:
             yield Fault("surface_mm", f"must be {requirement(fields(type(self))['surface_mm'])}", missing=True)
         elif self.deviation != "combined" and self.surface_mm is not None:

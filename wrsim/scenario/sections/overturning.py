@@ -72,9 +72,9 @@ class OverturningSection(PlanTable, header="[overturning]"):
         if self.wind is not None and self.wind.gust is not None and not self.run:
             yield Fault("run", "must be true with a gust: it is for runs")
 
-    def plan(self, given: PlanContext) -> OverturningPlan:
-        if not given.vehicle.bodies:
-            raise given.fault(("vehicle", "model"), 'is a single wheelset; analysis = "overturning" knows vehicles')
+    def plan(self, context: PlanContext) -> OverturningPlan:
+        if not context.vehicle.bodies:
+            raise context.fault(("vehicle", "model"), 'is a single wheelset; analysis = "overturning" knows vehicles')
         wind = self.wind
         air, winds = (None, (0.0,)) if wind is None else (wind.air(), wind.speed_m_s)
         gust = wind is not None and wind.gust is not None

@@ -172,33 +172,33 @@ class RunSection(PlanTable, header="[run]"):
             most = f"must be {1e6 / self.step_us:g}, a sample each step_us ({self.step_us}), or a whole part of it"
             yield Fault("channels_at_hz", most)
 
-    def plan(self, given: PlanContext) -> RunPlan:
-        ahead = given.vehicle.foremost
-        last = given.track.length - ahead
+    def plan(self, context: PlanContext) -> RunPlan:
+        ahead = context.vehicle.foremost
+        last = context.track.length - ahead
         start, end = self.start_distance_m, last
-        room = f"must lie on the track, which is {given.track.length:.6g} m long"
+        room = f"must lie on the track, which is {context.track.length:.6g} m long"
         if ahead:
             room += f", and the first wheelset is {ahead:.6g} m ahead of the vehicle's origin"
         if start >= last:
-            raise given.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
-        if not given.analysis.moves:
+            raise context.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
+        if not context.analysis.moves:
             return RunPlan(start, start, 0.0, patches_at=(start,))
-        motion = given.speed_from(start, last)
+        motion = context.speed_from(start, last)
         if self.distance_m is not None:
             end = start + self.distance_m
         elif self.time_s is not None:
             end = start + float(motion.way(self.time_s))
         if end > last * (1.0 + 1e-12):
             key = "distance_m" if self.distance_m is not None else "time_s"
-            raise given.fault(("run", key), f"ends at {end:.6g} m: {room}")
+            raise context.fault(("run", key), f"ends at {end:.6g} m: {room}")
         end = min(end, last, start + motion.stands_after)
-        wanted = given.table(OutputSection).patches_at_m
+        wanted = context.table(OutputSection).patches_at_m
         for place in wanted or ():
-            if place > given.track.length:
+            if place > context.track.length:
                 message = f"{place:g} m is not on the track: must lie from {start:.6g} to {end:.6g} m"
-                raise given.fault(("output", "patches_at_m"), message)
+                raise context.fault(("output", "patches_at_m"), message)
         if wanted is None:
-            wanted = (0.5 * (f.start + f.end) for f in given.track.features() if f.kind == "arc")
+            wanted = (0.5 * (f.start + f.end) for f in context.track.features() if f.kind == "arc")
             places = tuple(place for place in wanted if start <= place <= end)
         else:
             places = tuple(sorted(set(wanted)))
@@ -211,24 +211,24 @@ class RunSection(PlanTable, header="[run]"):
             step=None if self.step_us is None else self.step_us * 1e-6,
             output_interval=self.output_interval_ms * 1e-3,
             fast_interval=1.0 / self.channels_at_hz if self.fast_channels else None,
-            fast_channels=self._fast_channels(given),
+            fast_channels=self._fast_channels(context),
             patches_at=tuple(place for place in places if start <= place <= end),
             left_out=tuple(place for place in places if not start <= place <= end),
-            wear=given.table(WearSection).settings(start, end, given.fault),
+            wear=context.table(WearSection).settings(start, end, context.fault),
         )
 
-    def _fast_channels(self, given: PlanContext) -> tuple[str, ...]:
-        vehicle, structure = given.vehicle, given.track.structure
-        there = {
+    def _fast_channels(self, context: PlanContext) -> tuple[str, ...]:
+        vehicle, structure = context.vehicle, context.track.structure
+        sources = {
             "point": vehicle.points, "body": vehicle.bodies, "suspension": vehicle.elements,
-            "coupling": vehicle.couplings, "span": given.track.bridge is not None,
+            "coupling": vehicle.couplings, "span": context.track.bridge is not None,
         }  # fmt: skip
         on_rails = structure is not None and not isinstance(structure, Bridge)
         for i, name in enumerate(self.fast_channels):
             channel = CHANNELS[name]
-            if not all(there.get(dim, True) for dim in channel.dims) or (name.startswith("rail_") and not on_rails):
-                what = "elastic rails" if name.startswith("rail_") else f"{channel.dims[-1]}s"
-                raise given.fault(("run", "fast_channels"), f"entry [{i}] {name} cannot be: this run has no {what}")
+            if not all(sources.get(dim, True) for dim in channel.dims) or (name.startswith("rail_") and not on_rails):
+                noun = "elastic rails" if name.startswith("rail_") else f"{channel.dims[-1]}s"
+                raise context.fault(("run", "fast_channels"), f"entry [{i}] {name} cannot be: this run has no {noun}")
         return self.fast_channels
 
 

@@ -88,7 +88,7 @@ class StabilitySection(PlanTable, header="[stability]"):
         if self.longest_s < 2.0 * self.window_s:
             yield Fault("longest_s", f"must be at least two windows ({2.0 * self.window_s:g} s)")
 
-    def plan(self, given: PlanContext) -> StabilityPlan:
+    def plan(self, context: PlanContext) -> StabilityPlan:
         start = None if self.cycle_start_kmh is None else self.cycle_start_kmh / 3.6
         cycles = self.to_si(CyclePlan, start=start, step=self.cycle_step_kmh / 3.6)
         speeds = tuple(sorted({v / 3.6 for v in self.speed_kmh}))

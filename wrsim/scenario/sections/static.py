@@ -87,12 +87,12 @@ class StaticSection(PlanTable, header="[static]"):
         if count > MOST_POSES:
             yield Fault((), f"describes {count} poses; must be at most {MOST_POSES}")
 
-    def plan(self, given: PlanContext) -> StaticPlan:
+    def plan(self, context: PlanContext) -> StaticPlan:
         if self.cases is None:
             grid = product(*(getattr(self, key) or () for key in FACTORS))
             poses = named([Pose("", *(v * f for v, f in zip(row, FACTORS.values(), strict=True))) for row in grid])
         else:
-            poses = read_cases(given.find(("static", "cases"), self.cases), with_roll=self.target == "wheel")
+            poses = read_cases(context.find(("static", "cases"), self.cases), with_roll=self.target == "wheel")
         return StaticPlan(self.target, self.side, self.rolling, poses)
 
 

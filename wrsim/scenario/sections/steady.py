@@ -54,8 +54,8 @@ class SteadySection(PlanTable, header="[steady]"):
     @classmethod
     def beside(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         steady, vehicle = raw.get("steady"), raw.get("vehicle")
-        given = cls.keys_meant(steady) | VehicleSection.keys_meant(vehicle)
-        if isinstance(steady, dict) and "speed_kmh" not in given:
+        keys = cls.keys_meant(steady) | VehicleSection.keys_meant(vehicle)
+        if isinstance(steady, dict) and "speed_kmh" not in keys:
             yield Fault(("steady", "speed_kmh"), f"must be {requirement(Series[Speed])}", missing=True)
 
     def consistency(self) -> Iterator[Fault]:
@@ -70,9 +70,9 @@ class SteadySection(PlanTable, header="[steady]"):
         if self.combine == "grid" and prod(sizes) > MOST_POINTS:
             yield Fault((), f"describes {prod(sizes)} points; must be at most {MOST_POINTS}")
 
-    def plan(self, given: PlanContext) -> SteadyPlan:
-        one = None if self.speed_kmh else given.one_speed
-        speeds = self.speed_kmh or (() if one is None else (3.6 * one,))
+    def plan(self, context: PlanContext) -> SteadyPlan:
+        speed = None if self.speed_kmh else context.one_speed
+        speeds = self.speed_kmh or (() if speed is None else (3.6 * speed,))
         axes = (self.radius_m, self.cant_mm, speeds)
         if self.combine == "rows":
             longest = max(map(len, axes))

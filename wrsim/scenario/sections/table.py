@@ -66,6 +66,6 @@ class AnalysisTable(Section):
 class PlanTable(AnalysisTable):
     """Base of the first table of an analysis, which makes its plan."""
 
-    def plan(self, given: PlanContext) -> Any:
+    def plan(self, context: PlanContext) -> Any:
         """What the analysis has to do, in SI units. Raises InputError at the key that does not fit."""
         raise NotImplementedError
