@@ -23,7 +23,7 @@ from wrsim.contact.models import contact_model as model_of
 from wrsim.contact.profiles.check_rail import floor_of, with_check_rail
 from wrsim.contact.profiles.points import ProfilePoints, interpolated
 from wrsim.contact.profiles.sections import ProfileArc, ProfileLine, circle, profile_from_sections
-from wrsim.contact.surfaces.rail import unfold
+from wrsim.contact.surfaces.envelope_rows import unfold
 from wrsim.contact.surfaces.rail_surface import DEEP, RailSection, RailSurface, read_sections
 from wrsim.contact.surfaces.rolled_rail import effective_sections, rolled_rail
 from wrsim.simulation.pose_solver import PoseSolver

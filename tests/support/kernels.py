@@ -42,7 +42,7 @@ from wrsim.contact.strips.derivatives import jacobian
 from wrsim.contact.strips.equations import residuals
 from wrsim.contact.strips.records import UNKNOWNS_PER_STRIP, V
 from wrsim.contact.subsurface.loads import surface_loads
-from wrsim.contact.surfaces.rail import unfold
+from wrsim.contact.surfaces.envelope_rows import unfold
 from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
 from wrsim.contact.wheel_rail import STAGES, compile_stages, place_bodies
 from wrsim.contact.workspace import pack

@@ -158,7 +158,7 @@ class RailSurface:
     def rows(self, s: Array) -> tuple[Array, NDArray[np.int64]]:
         """Points and tangents, of any length, at distances (n,) [m]: rows of all pieces one behind the other
         (n, rows, 4); the first row of every piece, and their number."""
-        from wrsim.contact.surfaces.rail import FALL  # with numba, which a look at a scenario does not need
+        from wrsim.contact.surfaces.envelope_rows import FALL  # with numba, which a look at a scenario does not need
 
         curves = []
         for piece in self.pieces:

@@ -19,7 +19,7 @@ import scipy
 
 from wrsim.contact.profiles.profile import Array
 from wrsim.contact.surfaces.distance_field import SPACING, DistanceField, field_of_points, grid_about
-from wrsim.contact.surfaces.rail import Heading, envelope_rows, unfold
+from wrsim.contact.surfaces.envelope_rows import ENVELOPE, WITHIN_REACH, Heading, envelope_rows, unfold
 from wrsim.contact.surfaces.rail_surface import DEEP, Piece, RailSurface
 from wrsim.errors import InputError
 
@@ -157,8 +157,8 @@ def _rates(s: Array, tables: Array, headings: Array) -> Array:
 
 
 _Curve = tuple[Array, Array]
-"""Effective section of a piece: arclengths from its anchor (n,), rows (n, 9) of `envelope_rows` that are neither too
-deep nor fold back; empty where the piece does not exist."""
+"""Effective section of a piece: arclengths from its anchor (n,), rows (n, WITHIN_REACH) of `envelope_rows` that are
+neither too deep nor fold back; empty where the piece does not exist."""
 
 
 def effective_sections(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
@@ -167,7 +167,7 @@ def effective_sections(surface: RailSurface, s: float, radius: float) -> list[_C
     heading = Heading(sine, sqrt(1.0 - sine**2))
 
     def envelope(piece: Piece, first: int, last: int) -> Array:
-        rows = np.full((piece.spline.c.shape[2], 10), -np.inf)
+        rows = np.full((piece.spline.c.shape[2], len(ENVELOPE)), -np.inf)
         ends, between = np.array(piece.open_ends, dtype=float), np.array((first, last))
         envelope_rows(piece.spline.c, piece.spline.x, ends, s, radius, REACH, heading, between, rows)
         return rows
@@ -186,7 +186,7 @@ def effective_sections(surface: RailSurface, s: float, radius: float) -> list[_C
         first, last = (near[0] - 1, near[-1] + 2) if near.size else (0, 0)
         envelopes.append(envelope(piece, max(first, 0), min(last, piece.tops.shape[1])))
     lowest = max(float(rows[:, 1].max()) for rows in envelopes) - DEEP
-    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 9] == 0.0)).any() for rows in envelopes):
+    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, WITHIN_REACH] == 0.0)).any() for rows in envelopes):
         far = f"a wheel of radius {1e3 * radius:g} mm would touch it more than {1e3 * REACH:g} mm from its axle"
         raise InputError(f"rail '{surface.name}': near {s:.4g} m it is so steep along the track that {far}")
     return [_curve(piece, rows, lowest) for piece, rows in zip(surface.pieces, envelopes, strict=True)]
@@ -195,11 +195,11 @@ def effective_sections(surface: RailSurface, s: float, radius: float) -> list[_C
 def _curve(piece: Piece, rows: Array, lowest: float) -> _Curve:
     """The effective section of a piece down to a height."""
     if rows[piece.anchor, 1] < lowest:
-        return np.zeros(0), np.zeros((0, 9))
+        return np.zeros(0), np.zeros((0, WITHIN_REACH))
     keep = np.zeros(len(rows), dtype=bool)
     unfold(rows, piece.anchor, lowest, keep)
     at = int(keep[: piece.anchor].sum())
-    rows = rows[keep, :9]
+    rows = rows[keep, :WITHIN_REACH]
     bent = np.arcsin(np.clip(rows[:-1, 2] * rows[1:, 3] - rows[:-1, 3] * rows[1:, 2], -1.0, 1.0))
     arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(rows[:, :2], axis=0).T) * (1.0 + bent**2 / 24.0)))
     return arc - arc[at], rows
@@ -214,7 +214,9 @@ def _rows(curve: _Curve, arc: Array) -> Array:
     """Rows of a piece at the arclengths ``arc``; beyond its ends it goes on straight."""
     at, rows = curve
     if at.size < 2:
-        return np.column_stack((arc, np.full(arc.size, -NOWHERE), np.ones(arc.size), *np.zeros((7, arc.size))))
+        return np.column_stack(
+            (arc, np.full(arc.size, -NOWHERE), np.ones(arc.size), *np.zeros((len(COLUMNS) - 3, arc.size)))
+        )
     inside = np.clip(arc, at[0], at[-1])
     spline = scipy.interpolate.CubicHermiteSpline(at, rows[:, :2], rows[:, 2:4])
     point, tangent = spline(inside), spline(inside, 1)
