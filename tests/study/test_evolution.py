@@ -147,7 +147,7 @@ def test_the_page_of_a_service_holds_numbers_pictures_and_files_and_takes_it_alo
     ok("report", tmp_path)
     page = (tmp_path / "report.html").read_text()
     assert str(evolution.wheel) not in page  # no place of this machine
-    assert all(words in page for words in (evolution.given.title, "Sd [mm]", "left,0.5,500,60"))
+    assert all(words in page for words in (evolution.source.title, "Sd [mm]", "left,0.5,500,60"))
     summary = page[page.index('id="h-summary"') : page.index('id="identity"')]
     assert all(words in summary for words in ("wear by the law", "Flange thickness Sd: from", "Equivalent conicity"))
     assert page.count("<img ") == 2 and page.count('<tr><th scope="row">') > len(steps)

@@ -76,7 +76,7 @@ def optimise(
         shown = makers if pictures else {}
         feasible = search.best().feasible
         texts = {f"Scenario {each.name}": each.base.text for each in candidates.scenarios}
-        texts = {"Optimisation": candidates.given.text} | texts
+        texts = {"Optimisation": candidates.source.text} | texts
         sentence = verdict_text(report)
         page = verdict_page(candidates.title, optimisation.summary, tables, NOTES, sentence, feasible, texts, shown)
         files.append(write_atomically(computation.directory / written.PAGE, page.encode()))

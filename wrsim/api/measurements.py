@@ -61,16 +61,16 @@ def validate(
             tables = [validation.judged_table(rows), validation.series_table(compared)]
             sections = validation.sections_table(rows)
             makers = validation.figures(compared, rows)
-            summary = f"{read.given.spec.title}. Model {assessed.title}, beside {len(compared)} measured files."
+            summary = f"{read.source.spec.title}. Model {assessed.title}, beside {len(compared)} measured files."
             shown = {"Differences": tables[0], "Series": tables[1], "Sections": sections}
-            texts = {"Validation": read.given.text} | {
+            texts = {"Validation": read.source.text} | {
                 c.record.name: str(c.model.dataset.attrs["scenario_text"]) for c in compared
             }
             page = verdict_page(
-                read.given.spec.title, summary, shown, notes, sentence, passed, texts, makers if pictures else {}
+                read.source.spec.title, summary, shown, notes, sentence, passed, texts, makers if pictures else {}
             )
             numbers = {
-                "title": read.given.spec.title, "passed": passed, "verdict": sentence, "notes": notes,
+                "title": read.source.spec.title, "passed": passed, "verdict": sentence, "notes": notes,
                 "shifts": {c.record.name: {"value": c.shift.value, "unit": c.record.unit} for c in compared},
                 "differences": as_records(tables[0]), "series": as_records(tables[1]),
             }  # fmt: skip
@@ -127,7 +127,7 @@ def calibrate(
             calibrated = outcome.Calibrated.from_fit(fit, knowledge(fit))
         numbers, notes, makers = calibrated.numbers(), calibrated.notes(), calibrated.figures()
         tables = [calibrated.keys_table(), calibrated.targets_table()]
-        texts = {"Calibration": calibration.given.text} | {
+        texts = {"Calibration": calibration.source.text} | {
             f"Scenario {s.name}": s.base.text for s in candidates.scenarios
         }
         files = ", ".join(record.file.name for record in calibration.records.values())

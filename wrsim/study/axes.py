@@ -51,7 +51,7 @@ def axis_points(axis: Axis, finder: Finder, where: str) -> AxisPoints:
             raise InputError(f'{where}: vary.file = "{axis.file}": {error}') from None
         return _rows(path, axis.name)
     values = tuple(zip(*_sampled(axis), strict=True))
-    return AxisPoints(axis.name, tuple(one.key for one in axis.over), values, (where,) * len(values), listed=True)
+    return AxisPoints(axis.name, tuple(key.key for key in axis.over), values, (where,) * len(values), listed=True)
 
 
 def _sampled(axis: SobolAxis | LatinHypercubeAxis) -> list[list[float]]:
@@ -61,21 +61,21 @@ def _sampled(axis: SobolAxis | LatinHypercubeAxis) -> list[list[float]]:
     generator = np.random.default_rng(axis.seed)
     sampler = (qmc.Sobol if isinstance(axis, SobolAxis) else qmc.LatinHypercube)(len(axis.over), rng=generator)
     unit = sampler.random(axis.samples)
-    return [sampled_values(part, one) for part, one in zip(unit.T, axis.over, strict=True)]
+    return [sampled_values(part, key) for part, key in zip(unit.T, axis.over, strict=True)]
 
 
-def sampled_values(part: NDArray[np.float64], one: SampledKey) -> list[float]:
+def sampled_values(part: NDArray[np.float64], key: SampledKey) -> list[float]:
     """Values of a key from parts (n,) of its range or of its distribution, from 0 to 1."""
     from scipy.stats import norm
 
-    if one.mean is not None:
-        values = norm.ppf(np.clip(part, 1e-9, 1.0 - 1e-9), one.mean, one.deviation)
-    elif one.spacing == "log":
-        low, high = np.log(given(one.low)), np.log(given(one.high))
+    if key.mean is not None:
+        values = norm.ppf(np.clip(part, 1e-9, 1.0 - 1e-9), key.mean, key.deviation)
+    elif key.spacing == "log":
+        low, high = np.log(given(key.low)), np.log(given(key.high))
         values = np.exp(low + part * (high - low))
     else:
-        values = given(one.low) + part * (given(one.high) - given(one.low))
-    return [round(v) if one.whole else v for v in values.tolist()]
+        values = given(key.low) + part * (given(key.high) - given(key.low))
+    return [round(v) if key.whole else v for v in values.tolist()]
 
 
 def _rows(path: Path, name: str) -> AxisPoints:

@@ -90,16 +90,16 @@ class CandidatesFile(Section):
     """Limits of a case, and what is stored of it."""
 
     def consistency(self) -> Iterator[Fault]:
-        for name in repeated(one.name for one in self.scenario):
+        for name in repeated(entry.name for entry in self.scenario):
             yield Fault("scenario", f'two of them are called "{name}"')
-        for key in repeated(chain.from_iterable(one.key for one in self.vary)):
+        for key in repeated(chain.from_iterable(entry.key for entry in self.vary)):
             yield Fault("vary", f"{key}: is varied twice")
 
     def named_bases(self) -> list[tuple[str, str, float, tuple[str | int, ...]]]:
         """Name, file, weight and key of every scenario."""
         if self.base is not None:
             return [(ONLY, self.base, 1.0, ("base",))]
-        return [(one.name, one.base, one.weight, ("scenario", i, "base")) for i, one in enumerate(self.scenario)]
+        return [(row.name, row.base, row.weight, ("scenario", i, "base")) for i, row in enumerate(self.scenario)]
 
 
 @dataclass(frozen=True)
@@ -204,9 +204,9 @@ class Candidate:
 class Candidates:
     """The space of the varied keys, and the scenarios in which its points are evaluated.
 
-    given: the file; folder: of the search; limits: of cases."""
+    source: the file; folder: of the search; limits: of cases."""
 
-    given: FileInput
+    source: FileInput
     title: str
     folder: Path
     varied: tuple[Varied, ...]
@@ -216,23 +216,23 @@ class Candidates:
     @property
     def start(self) -> tuple[float, ...]:
         """Numbers of the varied keys at the start."""
-        return tuple(one.start for one in self.varied)
+        return tuple(var.start for var in self.varied)
 
     def values(self, point: Sequence[float]) -> tuple[Any, ...]:
         """Values in the file at a point."""
-        return tuple(one.value(x) for one, x in zip(self.varied, point, strict=True))
+        return tuple(var.value(x) for var, x in zip(self.varied, point, strict=True))
 
     def changes(self, values: Sequence[Any]) -> dict[str, Any]:
         """Values by key."""
-        return {key: value for one, value in zip(self.varied, values, strict=True) for key in one.keys}
+        return {key: value for var, value in zip(self.varied, values, strict=True) for key in var.keys}
 
     def plan(self, scenario: OneScenario, rows: Sequence[tuple[Any, ...]]) -> tuple[Plan, list[Refused]]:
         """The cases of some rows of values in a scenario, without those that are refused."""
-        keys = tuple(one.keys for one in self.varied)
-        axis = AxisPoints("candidate", keys, tuple(rows), (str(self.given.file),) * len(rows), listed=True)
+        keys = tuple(var.keys for var in self.varied)
+        axis = AxisPoints("candidate", keys, tuple(rows), (str(self.source.file),) * len(rows), listed=True)
         folder = self.folder / SCENARIOS / scenario.name
         title = self.title if len(self.scenarios) == 1 else f"{self.title}, {scenario.name}"
-        empty = self.given.plan_of(scenario.base, title, folder, (axis,), scenario.outputs, self.limits, scenario.hook)
+        empty = self.source.plan_of(scenario.base, title, folder, (axis,), scenario.outputs, self.limits, scenario.hook)
         refused: list[Refused] = []
         return with_cases(empty, scenario.base, refused)[0], refused
 
@@ -268,28 +268,28 @@ def _evaluated(marker: Marker | None, folder: Path) -> Evaluated:
 
 
 def read_candidates(
-    given: FileInput, folder: Path, outputs: Mapping[str, OutputsSection], hooks: Mapping[str, str] | None = None
+    file: FileInput, folder: Path, outputs: Mapping[str, OutputsSection], hooks: Mapping[str, str] | None = None
 ) -> Candidates:
     """The space and the scenarios of a file that is a `CandidatesFile`, with the candidate at the start checked.
 
     outputs, hooks: by the name of the scenario. Raises InputError with all faults of the start: unknown keys, values
     that are not allowed, a start outside of the bounds."""
-    spec: CandidatesFile = given.spec
+    spec: CandidatesFile = file.spec
     scenarios = []
     for name, base, weight, key in spec.named_bases():
-        loaded = load(given.file_of(*key, name=base), given.models)
+        loaded = load(file.file_of(*key, name=base), file.models)
         scenarios.append(OneScenario(name, loaded, weight, outputs[name], (hooks or {}).get(name, "")))
     first = scenarios[0].base
-    varied = [_varied(given, i, one, first) for i, one in enumerate(spec.vary)]
-    shared = repeated(one.name for one in varied)
-    varied = [replace(one, name=one.keys[0]) if one.name in shared else one for one in varied]
-    candidates = Candidates(given, spec.title or first.title, folder, tuple(varied), tuple(scenarios), spec.cases)
+    varied = [_varied(file, i, var, first) for i, var in enumerate(spec.vary)]
+    shared = repeated(var.name for var in varied)
+    varied = [replace(var, name=var.keys[0]) if var.name in shared else var for var in varied]
+    candidates = Candidates(file, spec.title or first.title, folder, tuple(varied), tuple(scenarios), spec.cases)
     start, faults = candidates.values(candidates.start), list[str]()
     for scenario in candidates.scenarios:
         before = len(faults)
-        for i, (one, value) in enumerate(zip(varied, start, strict=True)):
+        for i, (var, value) in enumerate(zip(varied, start, strict=True)):
             try:
-                scenario.base.with_values(dict.fromkeys(one.keys, value), given.locate(("vary", i)))
+                scenario.base.with_values(dict.fromkeys(var.keys, value), file.locate(("vary", i)))
             except InputError as error:
                 faults.append(str(error))
         if len(faults) == before:
@@ -299,27 +299,27 @@ def read_candidates(
     return candidates
 
 
-def _varied(given: FileInput, i: int, one: VariedKey, scenario: Scenario) -> Varied:
+def _varied(file: FileInput, i: int, var: VariedKey, scenario: Scenario) -> Varied:
     """A varied key with its start. Raises InputError."""
-    value = one.start
+    value = var.start
     if value is None:
-        value = given_value(scenario, one.key[0])
+        value = given_value(scenario, var.key[0])
     if value is None:  # an unknown key is told first
-        some = one.choices[0] if one.choices else one.low
-        vehicle_of(scenario.with_values(dict.fromkeys(one.key, some), given.locate(("vary", i))))
-        with given.naming("vary", i, "start"):
-            raise InputError(f"is missing: neither the scenario nor its vehicle gives {one.key[0]}")
-    named = short_name(one.key[0])
-    with given.naming("vary", i, "start", value=value):
-        if one.choices:
-            if value not in one.choices:
-                raise InputError(f"must be one of the choices: {', '.join(map(value_text, one.choices))}")
+        some = var.choices[0] if var.choices else var.low
+        vehicle_of(scenario.with_values(dict.fromkeys(var.key, some), file.locate(("vary", i))))
+        with file.naming("vary", i, "start"):
+            raise InputError(f"is missing: neither the scenario nor its vehicle gives {var.key[0]}")
+    named = short_name(var.key[0])
+    with file.naming("vary", i, "start", value=value):
+        if var.choices:
+            if value not in var.choices:
+                raise InputError(f"must be one of the choices: {', '.join(map(value_text, var.choices))}")
             return Varied(
-                one.key, named, 0.0, len(one.choices) - 1.0, float(one.choices.index(value)), choices=one.choices
+                var.key, named, 0.0, len(var.choices) - 1.0, float(var.choices.index(value)), choices=var.choices
             )
-        low, high = float(one.low or 0.0), float(one.high or 0.0)
+        low, high = float(var.low or 0.0), float(var.high or 0.0)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{one.key[0]} is no number there; take choices, or a key of a number")
+            raise InputError(f"{var.key[0]} is no number there; take choices, or a key of a number")
         if not low <= value <= high:
             raise InputError(f"is outside of the bounds {low:g} to {high:g}; widen them, or start between them")
-    return Varied(one.key, named, low, high, float(value), one.spacing == "log", one.whole)
+    return Varied(var.key, named, low, high, float(value), var.spacing == "log", var.whole)

@@ -74,12 +74,12 @@ def security_of(folder: Path | None, *roles: str) -> Security | None:
     Without a folder those of the user's configuration of dask (``distributed.comm.tls``), None where it has none.
     Raises ``InputError`` for files that cannot be used.
     """
-    given: dict[str, Any] = {}
+    settings: dict[str, Any] = {}
     if folder is not None:
-        given["tls_ca_file"] = str(folder.resolve() / CA)
+        settings["tls_ca_file"] = str(folder.resolve() / CA)
         for role in roles:
-            given[f"tls_{role}_cert"], given[f"tls_{role}_key"] = (str(folder.resolve() / n) for n in (CERT, KEY))
-    security = Security(require_encryption=True, **given)
+            settings[f"tls_{role}_cert"], settings[f"tls_{role}_key"] = (str(folder.resolve() / n) for n in (CERT, KEY))
+    security = Security(require_encryption=True, **settings)
     for role in roles:
         files = security.get_tls_config_for_role(role)
         if not files["ca_file"] or not files["cert"]:
@@ -131,15 +131,15 @@ def local_workers(count: int) -> Iterator[Client | Pool]:
             yield pool
         return
     security = Security.temporary()
-    here: dict[str, Any] = {"host": LOOPBACK, "protocol": "tls://", "security": security, "dashboard": False}
+    common: dict[str, Any] = {"host": LOOPBACK, "protocol": "tls://", "security": security, "dashboard": False}
     options = {"worker_class": QuietWorker, "nthreads": 1, "memory_limit": MEMORY_LIMIT // count}
     options |= {"env": ONE_THREAD | QUIET, "silence_logs": logging.CRITICAL}
-    worker = {"cls": Nanny, "options": here | options}
+    worker = {"cls": Nanny, "options": common | options}
     with _settings(), _without_script(), ExitStack() as stack:
         with _deaf_to_ctrl_c():
             cluster = stack.enter_context(
                 SpecCluster(
-                    scheduler={"cls": QuietScheduler, "options": here},
+                    scheduler={"cls": QuietScheduler, "options": common},
                     worker=worker,
                     workers=dict.fromkeys(range(count), worker),
                     security=security,

@@ -143,15 +143,15 @@ def read_study(path: Path) -> xr.Dataset:
 
 
 def read_numbers(
-    path: Path, name: str, form: str, what: str, faults: Callable[[xr.Dataset], Iterator[str]]
+    path: Path, name: str, form: str, label: str, faults: Callable[[xr.Dataset], Iterator[str]]
 ) -> xr.Dataset:
     """The dataset in a file of that name, or in its folder. Raises InputError for another format and for faults."""
     file = path / name if path.is_dir() else path
-    dataset = read_netcdf(file, what)
+    dataset = read_netcdf(file, label)
     if dataset.attrs.get("format") != form:
-        raise InputError(f"{file}: a wrsim file, but no {what}")
+        raise InputError(f"{file}: a wrsim file, but no {label}")
     for fault in faults(dataset):
-        raise InputError(f"{file}: is marked as a {what}, but {fault}; run it again")
+        raise InputError(f"{file}: is marked as a {label}, but {fault}; run it again")
     return dataset
 
 
@@ -212,11 +212,11 @@ def study_tables(report: dict[str, Any]) -> list[Table]:
 
 def faults_of(report: dict[str, Any], markers: Sequence[Marker], briefly: bool) -> list[str]:
     """What went wrong: outputs that are lacking, cases without a result; results of other code unless briefly."""
-    others = sum(m.code not in ("", code_digest()) for m in markers)
+    foreign = sum(m.code not in ("", code_digest()) for m in markers)
     lacking = [lacks for m in markers if (lacks := m.faults + m.absent)]
     faults = []
-    if others and not briefly:
-        faults.append(f"{others} cases were computed by other code of wrsim; delete their folders to run them again")
+    if foreign and not briefly:
+        faults.append(f"{foreign} cases were computed by other code of wrsim; delete their folders to run them again")
     if lacking:
         faults.append(f"{len(lacking)} cases lack outputs, listed in study.csv: {lacking[0][0]}")
     if failed := len(report["unfinished"]):

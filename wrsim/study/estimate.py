@@ -80,8 +80,8 @@ def estimated_cost(plan: Plan, workers: int | None) -> tuple[dict[str, Any], Tab
     notes.append(f"{count} cases, {len(todo)} to run")
     if todo:
         spread = 1.0 if any(m.status == COMPLETED and not m.resumed for m in markers) else SPREAD
-        one, all_cases = (between(sorted({x / spread, x * spread})) for x in (each, total))
-        notes.append(f"one case takes {one} ({source}); on {workers} workers the study takes {all_cases}")
+        case_time, all_cases = (between(sorted({x / spread, x * spread})) for x in (each, total))
+        notes.append(f"one case takes {case_time} ({source}); on {workers} workers the study takes {all_cases}")
     rows = [(c.name, c.label, m.status) for c, m in pairs[:MOST_LISTED]]
     table = Table(plan.title, (Column("case"), Column("values"), Column("state")), rows, tuple(notes))
     return {"cases": cases, "missing": len(todo), "time": expected}, table

@@ -57,7 +57,7 @@ def known_names(wanted: OutputsSection, analysis: str) -> tuple[str, ...]:
     elif wanted == OutputsSection() or wanted.hook is not None:
         return ()
     assessed = [name for key in wanted.assessment for name in (assessment_name(key), margin_name(key))]
-    return (*(one.column for one in channels), *map(place_name, wanted.summary), *assessed)
+    return (*(output.column for output in channels), *map(place_name, wanted.summary), *assessed)
 
 
 def case_outputs(result: Result, wanted: OutputsSection, hook: Path | None) -> Outputs:
@@ -67,13 +67,13 @@ def case_outputs(result: Result, wanted: OutputsSection, hook: Path | None) -> O
     if wanted == OutputsSection():
         analysis = ANALYSES[result.analysis]
         if analysis.moves or analysis.compared:
-            channels = tuple(one for one in USUAL if one.channel in result.dataset)
+            channels = tuple(output for output in USUAL if output.channel in result.dataset)
         else:
             for name, value in result.summary().items():
                 if isinstance(value, int | float) and not isinstance(value, bool):
                     outputs.add(name, value, _unit_in(name))
-    for one in channels:
-        _add_channel(outputs, result, one)
+    for output in channels:
+        _add_channel(outputs, result, output)
     if wanted.summary:
         summary = result.summary()
         for place in wanted.summary:
@@ -85,13 +85,13 @@ def case_outputs(result: Result, wanted: OutputsSection, hook: Path | None) -> O
     return outputs
 
 
-def chosen_channel(dataset: xr.Dataset, one: ChannelOutput) -> xr.DataArray:
+def chosen_channel(dataset: xr.Dataset, output: ChannelOutput) -> xr.DataArray:
     """A channel of a result, of the labels that are chosen. Raises InputError where the result has none of them."""
-    if one.channel not in dataset:
+    if output.channel not in dataset:
         present = [name for name in CHANNELS if name in dataset]
         raise InputError(f"this analysis has no such channel; it has {', '.join(present)}")
-    data = dataset[one.channel]
-    for dim, label in one.chosen().items():
+    data = dataset[output.channel]
+    for dim, label in output.chosen().items():
         names = [str(name) for name in dataset[dim].values]
         if label not in names:
             raise InputError(f'{dim} = "{label}": there is {", ".join(names)}{suggest(label, names)}')
@@ -99,39 +99,39 @@ def chosen_channel(dataset: xr.Dataset, one: ChannelOutput) -> xr.DataArray:
     return data
 
 
-def _add_channel(outputs: Outputs, result: Result, one: ChannelOutput) -> None:
-    channel = CHANNELS[one.channel]
-    what = f'outputs.channels: channel = "{one.channel}"'
-    outputs.add(one.column, None, channel.shown.symbol)
+def _add_channel(outputs: Outputs, result: Result, output: ChannelOutput) -> None:
+    channel = CHANNELS[output.channel]
+    label = f'outputs.channels: channel = "{output.channel}"'
+    outputs.add(output.column, None, channel.shown.symbol)
     try:
-        data = chosen_channel(result.dataset, one)
+        data = chosen_channel(result.dataset, output)
     except InputError as error:
-        outputs.faults.append(f"{what}: {error}")
+        outputs.faults.append(f"{label}: {error}")
         return
-    windowed = one.from_m is not None or one.to_m is not None
-    if (windowed or one.low_pass_Hz) and data.dims[0] != "time":
-        outputs.faults.append(f"{what}: from_m, to_m and low_pass_Hz are for channels over time")
+    windowed = output.from_m is not None or output.to_m is not None
+    if (windowed or output.low_pass_Hz) and data.dims[0] != "time":
+        outputs.faults.append(f"{label}: from_m, to_m and low_pass_Hz are for channels over time")
         return
-    if one.low_pass_Hz is not None:
+    if output.low_pass_Hz is not None:
         try:
-            data = on_raster(data.to_dataset())[one.channel]
-            data = data.copy(data=low_pass(data.values, sampling_rate(data["time"].values), one.low_pass_Hz))
+            data = on_raster(data.to_dataset())[output.channel]
+            data = data.copy(data=low_pass(data.values, sampling_rate(data["time"].values), output.low_pass_Hz))
         except InputError as error:
-            (outputs.faults if data.sizes["time"] >= LEAST_SAMPLES else outputs.absent).append(f"{what}: {error}")
+            (outputs.faults if data.sizes["time"] >= LEAST_SAMPLES else outputs.absent).append(f"{label}: {error}")
             return
     if windowed:
         place = result.dataset["distance"].values[: data.sizes["time"]]
-        low = -np.inf if one.from_m is None else one.from_m
-        high = np.inf if one.to_m is None else one.to_m
+        low = -np.inf if output.from_m is None else output.from_m
+        high = np.inf if output.to_m is None else output.to_m
         inside = np.flatnonzero((place >= low) & (place <= high))
         if not inside.size:
             window = ", ".join(f"{word}_m = {end:g}" for word, end in (("from", low), ("to", high)) if np.isfinite(end))
             ends = " to ".join(formatted(float(x), ".1f") for x in place[[0, -1]])
-            outputs.absent.append(f"{what}, {window}: the case has no value there, it lasts from {ends} m")
+            outputs.absent.append(f"{label}, {window}: the case has no value there, it lasts from {ends} m")
             return
         data = data.isel(time=inside)
-    value = reduced(np.atleast_1d(data.values.astype(float)), one.reduce, one.percentile)
-    outputs.add(one.column, value * channel.shown.factor, channel.shown.symbol)
+    value = reduced(np.atleast_1d(data.values.astype(float)), output.reduce, output.percentile)
+    outputs.add(output.column, value * channel.shown.factor, channel.shown.symbol)
 
 
 def reduced(values: NDArray[np.float64], how: str, percentile: float | None = None) -> float:
@@ -162,8 +162,8 @@ def _place_fault(place: str, value: Any, rest: str) -> str:
     """What is wrong with a place of which a rest is left at a value; nothing where it is a number."""
     if rest:
         keys = list(value) if isinstance(value, dict) else []
-        there = f"there is {', '.join(map(str, keys))}{suggest(rest.split('.')[0], keys)}" if keys else "nothing below"
-        return f'"{place}": "{rest}" is not in the summary; {there}'
+        hint = f"there is {', '.join(map(str, keys))}{suggest(rest.split('.')[0], keys)}" if keys else "nothing below"
+        return f'"{place}": "{rest}" is not in the summary; {hint}'
     if isinstance(value, dict | list | str):
         more = f"; below it: {', '.join(map(str, value))}" if isinstance(value, dict) else ""
         return f'"{place}" is no number{more}'
@@ -279,8 +279,8 @@ def check_hook(file: Path, function: str) -> None:
     names = [s.get_name() for s in symbols if s.is_assigned() or s.is_imported()]
     if function not in names and b"import *" not in content:
         offered = [name for name in names if not name.startswith("_")]
-        there = f"it has {', '.join(offered)}" if offered else "it has none"
-        raise InputError(f"{file} has no function '{function}'{suggest(function, offered)}; {there}")
+        hint = f"it has {', '.join(offered)}" if offered else "it has none"
+        raise InputError(f"{file} has no function '{function}'{suggest(function, offered)}; {hint}")
 
 
 def outputs_digest(wanted: OutputsSection, hook: Path | None) -> str:

@@ -116,9 +116,9 @@ def plan_in(folder: str, digest: str) -> Plan:
 class FileInput:
     """A file about many runs: its sections, and where the files are looked up that it names."""
 
-    def __init__(self, file: Path, what: str, kind: type[Section], models: Sequence[str | Path]) -> None:
+    def __init__(self, file: Path, label: str, kind: type[Section], models: Sequence[str | Path]) -> None:
         """Raises InputError with file, key and what is allowed."""
-        data, self.locate = opened(file, what)
+        data, self.locate = opened(file, label)
         self.file, self.text, self.models = file, file.read_text(encoding="utf-8"), tuple(models)
         self.spec: Any
         self.spec = check_section(kind, data, self.locate)
@@ -173,9 +173,9 @@ class FileInput:
 class StudyInput(FileInput):
     """A file of a study or a profile evolution, with its cases' scenario."""
 
-    def __init__(self, file: Path, what: str, kind: type[Section], models: Sequence[str | Path]) -> None:
+    def __init__(self, file: Path, label: str, kind: type[Section], models: Sequence[str | Path]) -> None:
         """Raises InputError with file, key and what is allowed."""
-        super().__init__(file, what, kind, models)
+        super().__init__(file, label, kind, models)
         self.base = load(self.file_of("base", name=self.spec.base), models)
         self.title: str = self.spec.title or self.base.title
 

@@ -114,12 +114,12 @@ class Pool:
 
     def _started(self) -> tuple[Any, Any]:
         context = multiprocessing.get_context("spawn")
-        here, there = context.Pipe()
-        process = context.Process(target=_serve, args=(there,), daemon=True)
+        parent_end, child_end = context.Pipe()
+        process = context.Process(target=_serve, args=(child_end,), daemon=True)
         process.start()
-        there.close()
+        child_end.close()
         self._processes.append(process)
-        return process, here
+        return process, parent_end
 
 
 @dataclass

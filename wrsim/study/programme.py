@@ -209,8 +209,8 @@ def _runs(spec: ProgrammeFile, rules: RulesFile, test: StudyInput) -> AxisPoints
     places: list[str] = []
     labels: list[str] = []
     for i, each in enumerate(spec.runs):
-        both = each.radius_m is not None and each.directions == "both"
-        directions = ("left", "right") if both else (each.directions if each.radius_m is not None else "",)
+        two_sided = each.radius_m is not None and each.directions == "both"
+        directions = ("left", "right") if two_sided else (each.directions if each.radius_m is not None else "",)
         for direction in directions:
             uneven: list[dict[str, Any]] = []
             if spec.irregularities is not None and each.uneven:
@@ -222,6 +222,6 @@ def _runs(spec: ProgrammeFile, rules: RulesFile, test: StudyInput) -> AxisPoints
             uneven += [table.model_dump(exclude_unset=True) for table in each.irregularities]
             values.append((3.6 * each.speed, each.track(-1.0 if direction == "right" else 1.0, rules), uneven))
             places.append(test.locate(("runs", i)))
-            labels.append(f"{each.name} {direction}".strip() if both else each.name)
+            labels.append(f"{each.name} {direction}".strip() if two_sided else each.name)
     keys = (("vehicle.speed_kmh",), ("track.segments",), ("track.irregularities",))
     return AxisPoints(RUN, keys, tuple(values), tuple(places), tuple(labels), listed=True)

@@ -51,8 +51,8 @@ def design(spec: SensitivitySection) -> Array:
     if spec.method == "morris":
         sample, _ = _morris()
         return np.asarray(sample(_problem(d), n, num_levels=LEVELS, seed=spec.seed))
-    both = scipy.stats.qmc.Sobol(2 * d, rng=np.random.default_rng(spec.seed)).random(n)
-    a, b = both[:, :d], both[:, d:]
+    samples = scipy.stats.qmc.Sobol(2 * d, rng=np.random.default_rng(spec.seed)).random(n)
+    a, b = samples[:, :d], samples[:, d:]
     mixed = np.repeat(a[None], d, axis=0)
     for i in range(d):
         mixed[i, :, i] = b[:, i]
@@ -61,9 +61,9 @@ def design(spec: SensitivitySection) -> Array:
 
 def axis_of(spec: SensitivitySection, where: str) -> AxisPoints:
     """The cases of a design as an axis of a study; where: file and line, for messages."""
-    columns = (sampled_values(part, one) for part, one in zip(design(spec).T, spec.over, strict=True))
+    columns = (sampled_values(part, key) for part, key in zip(design(spec).T, spec.over, strict=True))
     values = tuple(zip(*columns, strict=True))
-    return AxisPoints(spec.name, tuple(one.key for one in spec.over), values, (where,) * len(values), listed=True)
+    return AxisPoints(spec.name, tuple(key.key for key in spec.over), values, (where,) * len(values), listed=True)
 
 
 def sensitivity(spec: SensitivitySection, name: str, values: Array) -> Sensitivity:
@@ -136,11 +136,11 @@ def sensitivities(spec: SensitivitySection, outputs: Mapping[str, Array]) -> dic
         for name in spec.outputs or outputs
     ]
     rows = [
-        {"output": result.output, "key": one.key[0], "index": kind}
+        {"output": result.output, "key": key.key[0], "index": kind}
         | dict(zip(("value", "low", "high"), map(finite, numbers), strict=True))
         for result in results
         for kind, each in result.indices.items()
-        for one, numbers in zip(spec.over, each.tolist(), strict=True)
+        for key, numbers in zip(spec.over, each.tolist(), strict=True)
     ]
     return {
         "method": spec.method,

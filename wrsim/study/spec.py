@@ -166,8 +166,8 @@ class SensitivitySection(_Sampled, header="[sensitivity]"):
             yield Fault("samples", f"describes {cases} cases; must be at most {MOST_CASES}")
         elif self.samples < 2:
             yield Fault("samples", "must be 2 or more")
-        for i, one in enumerate(self.over if self.method == "morris" else ()):
-            if one.low is None:
+        for i, key in enumerate(self.over if self.method == "morris" else ()):
+            if key.low is None:
                 yield Fault(("over", i, "low"), 'method = "morris" needs bounds: low and high', missing=True)
 
 
@@ -265,7 +265,7 @@ class OutputsSection(Section, header="[outputs]"):
     """Your own function of a result, which gives a dict of numbers."""
 
     def consistency(self) -> Iterator[Fault]:
-        for name in repeated(one.column for one in self.channels):
+        for name in repeated(output.column for output in self.channels):
             yield Fault(("channels",), f'two outputs are called "{name}": give one of them another name')
 
 

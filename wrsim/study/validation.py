@@ -87,7 +87,7 @@ class Compared:
         def has(channel: str, wheel: str) -> bool:
             chosen = (each.section.chosen() for each in self.record.series if each.section.channel == channel)
             wanted = where | {"wheel": wheel}
-            return any(all(wanted.get(dim, label) in ("", label) for dim, label in one.items()) for one in chosen)
+            return any(all(wanted.get(dim, label) in ("", label) for dim, label in labels.items()) for labels in chosen)
 
         return all(has(channel, wheel) for channel in NEEDED[value.quantity.key] for wheel in wheels)
 
@@ -96,7 +96,7 @@ class Compared:
 class Validation:
     """A validation, read and checked. records, and for each the result or the plan of the one run; reads: all files."""
 
-    given: FileInput
+    source: FileInput
     records: tuple[Record, ...]
     runs: tuple[Result | Plan, ...]
     reads: tuple[Path, ...]
@@ -118,14 +118,14 @@ class Validation:
 def read_validation(file: Path, folder: Path, models: Sequence[str | Path]) -> Validation:
     """A validation with its measured files; its scenarios run in ``folder``. Raises InputError before anything runs."""
     with noting_reads() as seen:
-        given = FileInput(file, "validation file", ValidationFile, models)
-        spec: ValidationFile = given.spec
+        source = FileInput(file, "validation file", ValidationFile, models)
+        spec: ValidationFile = source.spec
         records, runs = list[Record](), list[Result | Plan]()
         for i, each in enumerate(spec.scenario):
             sections = [s for s in spec.measured if s.scenario in (None, each.name)]
             if each.result is not None:
-                path = given.file_of("scenario", i, "file", name=str(each.file))
-                with given.naming("scenario", i, "result", value=each.result):
+                path = source.file_of("scenario", i, "file", name=str(each.file))
+                with source.naming("scenario", i, "result", value=each.result):
                     result = Result.load(
                         beside if (beside := file.parent / each.result).exists() else Path(each.result)
                     )
@@ -135,13 +135,13 @@ def read_validation(file: Path, folder: Path, models: Sequence[str | Path]) -> V
                     channel_of(result.dataset, section)
                 runs.append(result)
                 continue
-            scenario = load(given.file_of("scenario", i, "base", name=str(each.base)), models)
-            records.append(record_beside(given, i, each.name, each, sections, scenario))
-            plan = given.plan_of(
+            scenario = load(source.file_of("scenario", i, "base", name=str(each.base)), models)
+            records.append(record_beside(source, i, each.name, each, sections, scenario))
+            plan = source.plan_of(
                 scenario, scenario.title, folder / "scenarios" / each.name, (), OutputsSection(), spec.cases
             )
             runs.append(with_cases(plan, scenario)[0])
-    return Validation(given, tuple(records), tuple(runs), tuple(seen))
+    return Validation(source, tuple(records), tuple(runs), tuple(seen))
 
 
 @dataclass(frozen=True)
@@ -205,12 +205,12 @@ def judged(compared: Sequence[Compared]) -> tuple[list[Judged], Assessment]:
     for value in model.values:
         key, zone, run = value.quantity.key, value.section.zone, value.section.run or names[0]
         no_curve = zone == STRAIGHT and key.endswith("_qst")
-        other = beside.get(_key(value), np.nan)
+        reference = beside.get(_key(value), np.nan)
         if key not in differences or zone == TRANSITION or no_curve or not by_name[run].is_measured(value):
             continue
-        if np.isfinite(value.value) and np.isfinite(other):
+        if np.isfinite(value.value) and np.isfinite(reference):
             factor = value.quantity.shown.factor
-            differences[key].append(Difference(run, value, factor * value.value, factor * other))
+            differences[key].append(Difference(run, value, factor * value.value, factor * reference))
     loads = [v for k, v in model.settings.items() if k.startswith("axle_load") and isinstance(v, float)]
     wheel_load = 0.5 * float(np.mean(loads))
 

@@ -103,15 +103,15 @@ class Fit:
     def __post_init__(self) -> None:
         spec, varied = self.calibration.spec.vary, self.calibration.candidates.varied
         scales = []
-        for one, key in zip(varied, spec, strict=True):
-            low, high = (log(v) if one.log else v for v in (one.low, one.high))
+        for var, key in zip(varied, spec, strict=True):
+            low, high = (log(v) if var.log else v for v in (var.low, var.high))
             size = 0.25 * (high - low)
             if key.prior is not None and key.tolerance is not None:
-                size = 0.5 * key.tolerance / (key.prior if one.log else 1.0)
-            scales.append(Scale(one.start, size, one.log, key.prior))
+                size = 0.5 * key.tolerance / (key.prior if var.log else 1.0)
+            scales.append(Scale(var.start, size, var.log, key.prior))
         self.scales = tuple(scales)
         self.bounds = tuple(
-            np.array([scale.scaled(getattr(one, end)) for scale, one in zip(scales, varied, strict=True)])
+            np.array([scale.scaled(getattr(var, end)) for scale, var in zip(scales, varied, strict=True)])
             for end in ("low", "high")
         )
         self.priors = np.array([np.nan if s.prior is None else s.scaled(s.prior) for s in scales])
@@ -172,14 +172,14 @@ class Fit:
         jacobian = []
         for place, i in enumerate(columns):
             ends = [(0, u)] + [(1 + k, within[k]) for k in range(place * (1 + central), (place + 1) * (1 + central))]
-            there = [(residuals[k], p[i]) for k, p in ends if residuals[k] is not None]
-            there = there[1:] if central and len(there) == 3 else there
-            if len(there) < 2 or there[0][1] == there[-1][1]:
+            pairs = [(residuals[k], p[i]) for k, p in ends if residuals[k] is not None]
+            pairs = pairs[1:] if central and len(pairs) == 3 else pairs
+            if len(pairs) < 2 or pairs[0][1] == pairs[-1][1]:
                 name = self.calibration.candidates.varied[i].name
                 raise SimulationError(
                     f"{name}: no derivative: candidates beside {self.values(u)[i]:.6g} have no result"
                 )
-            (first, a), (last, b) = there[0], there[-1]
+            (first, a), (last, b) = pairs[0], pairs[-1]
             jacobian.append((last - first) / (b - a))  # type: ignore[operator]
         return np.column_stack(jacobian)
 
@@ -189,10 +189,10 @@ class Fit:
         rows = []
         for i, step in enumerate(STEP * np.eye(u.size)):
             points = [np.clip(u + side, *self.bounds) for side in (-step, step)]
-            before, here, behind = self.models([points[0], u, points[1]])
-            if before is None or here is None or behind is None or not points[0][i] < u[i] < points[1][i]:
+            before, middle, behind = self.models([points[0], u, points[1]])
+            if before is None or middle is None or behind is None or not points[0][i] < u[i] < points[1][i]:
                 continue
-            for target, weight, *values in zip(self.targets, self.weights, before, here, behind, strict=True):
+            for target, weight, *values in zip(self.targets, self.weights, before, middle, behind, strict=True):
                 low, high = (float(np.linalg.norm(b - a)) / weight.noise for a, b in pairwise(values))
                 low, high = sorted((low / (u - points[0])[i], high / (points[1] - u)[i]))
                 if high > max(FACTOR * low, 1.0 / STEP):

@@ -52,7 +52,7 @@ class Knowledge:
 
 def knowledge(fit: Fit) -> Knowledge:
     """Intervals by the derivatives at the optimum, with Student's t. Raises SimulationError."""
-    u, names = fit.optimum, [one.name for one in fit.calibration.candidates.varied]
+    u, names = fit.optimum, [var.name for var in fit.calibration.candidates.varied]
     jacobian, residual = fit.derivatives(u, central=True), fit.chi2(u)
     priors = int(np.isfinite(fit.priors).sum())
     counts = sum(t.measured.size / w.neighbours for t, w in zip(fit.targets, fit.weights, strict=True))
@@ -132,19 +132,19 @@ def _others(fit: Fit, i: int, step: float, covariance: Array) -> float:
     """Least chi2 over all keys but one, which lies by a step from its optimum."""
     u = np.clip(fit.optimum + covariance[i] / covariance[i, i] * step, *fit.bounds)
     u[i] = fit.optimum[i] + step
-    others = [k for k in range(u.size) if k != i]
-    if not others:
+    free = [k for k in range(u.size) if k != i]
+    if not free:
         return float(np.sum(fit.chi2(u) ** 2))
 
     def whole(part: Array) -> Array:
         point = u.copy()
-        point[others] = part
+        point[free] = part
         return point
 
-    bounds = tuple(b[others] for b in fit.bounds)
+    bounds = tuple(b[free] for b in fit.bounds)
     solution = least_squares(
-        lambda part: fit.chi2(whole(part)), np.clip(u[others], *bounds),
-        lambda part: fit.derivatives(whole(part), keys=others), bounds, xtol=10.0 * TOLERANCE, ftol=10.0 * TOLERANCE,
+        lambda part: fit.chi2(whole(part)), np.clip(u[free], *bounds),
+        lambda part: fit.derivatives(whole(part), keys=free), bounds, xtol=10.0 * TOLERANCE, ftol=10.0 * TOLERANCE,
         gtol=None, max_nfev=PROFILE_STEPS,
     )  # fmt: skip
     return 2.0 * float(solution.cost)

@@ -47,10 +47,10 @@ class Calibrated:
         """Every key: start, prior, value, interval, from where the value comes."""
         spec, rows = self.fit.calibration.spec, []
         varied = self.fit.calibration.candidates.varied
-        for one, key, interval in zip(varied, spec.vary, self.known.intervals, strict=True):
+        for var, key, interval in zip(varied, spec.vary, self.known.intervals, strict=True):
             rows.append(
-                (one.name, one.start, key.prior, key.tolerance, interval.value, interval.low, interval.high,
-                 "measurement" if interval.told else "NOT TOLD by the channels", one.keys[0])
+                (var.name, var.start, key.prior, key.tolerance, interval.value, interval.low, interval.high,
+                 "measurement" if interval.told else "NOT TOLD by the channels", var.keys[0])
             )  # fmt: skip
         percent = f"{spec.confidence_percent:g} %"
         heads = (
@@ -88,10 +88,10 @@ class Calibrated:
             if record.axis != "pose":
                 notes += shift_notes(record, shift, record.file.name)
         varied = fit.calibration.candidates.varied
-        for one, interval in zip(varied, known.intervals, strict=True):
+        for var, interval in zip(varied, known.intervals, strict=True):
             if not interval.told:
-                notes.append(f"not told by these channels: {one.name}: its interval is no narrower than before")
-            notes += [f"{one.name}: its interval reaches the {end} bound" for end in interval.at_bound]
+                notes.append(f"not told by these channels: {var.name}: its interval is no narrower than before")
+            notes += [f"{var.name}: its interval reaches the {end} bound" for end in interval.at_bound]
         notes += [f"told together only: {', '.join(group)}: {self._pairs(group)}" for group in known.groups]
         for direction in known.directions:
             shares = " ".join(f"{share:+.2f} {name}" for name, share in direction.items())
@@ -111,7 +111,7 @@ class Calibrated:
         return notes
 
     def _pairs(self, group: Sequence[str]) -> str:
-        names = [one.name for one in self.fit.calibration.candidates.varied]
+        names = [var.name for var in self.fit.calibration.candidates.varied]
         positions = [names.index(name) for name in group]
         pairs = [(i, j) for i, j in combinations(positions, 2) if abs(self.known.correlation[i, j]) >= TOGETHER]
         return ", ".join(f"correlation {self.known.correlation[i, j]:.2f}" for i, j in pairs)
@@ -121,8 +121,8 @@ class Calibrated:
         """The outcome in one sentence."""
         told = sum(interval.told for interval in self.known.intervals)
         ending = "" if self.fit.converged else "; NOT CONVERGED"
-        which = f"{told} of {len(self.known.intervals)} keys are told by the measurement"
-        return f"{which}; {self.fit.candidates} candidates{ending}"
+        share = f"{told} of {len(self.known.intervals)} keys are told by the measurement"
+        return f"{share}; {self.fit.candidates} candidates{ending}"
 
     def numbers(self) -> dict[str, Any]:
         """Content of ``calibration.json``."""
@@ -130,7 +130,7 @@ class Calibrated:
         return {
             "title": fit.calibration.candidates.title, "converged": fit.converged, "outcome": self.sentence,
             "confidence_percent": fit.calibration.spec.confidence_percent, "narrower": NARROWER,
-            "keys": [row | {"told": one.told} for row, one in zip(rows, known.intervals, strict=True)],
+            "keys": [row | {"told": interval.told} for row, interval in zip(rows, known.intervals, strict=True)],
             "series": as_records(self.targets_table()), "notes": self.notes(), "misfit": known.misfit,
             "degrees_of_freedom": known.freedom, "correlation": known.correlation.tolist(),
             "directions": list(known.directions), "together": [list(group) for group in known.groups],
@@ -150,13 +150,13 @@ class Calibrated:
         ]  # fmt: skip
         spec = self.fit.calibration.spec
         bars = {}
-        for one, key, interval in zip(
+        for var, key, interval in zip(
             self.fit.calibration.candidates.varied, spec.vary, self.known.intervals, strict=True
         ):
-            before = (one.low, one.high)
+            before = (var.low, var.high)
             if key.prior is not None and key.tolerance is not None:
                 before = (key.prior - key.tolerance, key.prior + key.tolerance)
-            bars[one.name] = (before, (interval.low, interval.high), interval.value, interval.told)
+            bars[var.name] = (before, (interval.low, interval.high), interval.value, interval.told)
         return {
             "calibration": partial(lines_figure, "Measured and model, before and after", panels),
             "intervals": partial(
@@ -168,11 +168,11 @@ class Calibrated:
         """Write report, table and page, and scenarios, vehicle and wheel with the calibrated values."""
         candidates, percent = self.fit.calibration.candidates, self.fit.calibration.spec.confidence_percent
         values = candidates.values(self.fit.values(self.fit.optimum))
-        remarks = [f"wrsim calibrate {candidates.given.file.name}: {self.sentence}"]
-        for one, interval in zip(candidates.varied, self.known.intervals, strict=True):
+        remarks = [f"wrsim calibrate {candidates.source.file.name}: {self.sentence}"]
+        for var, interval in zip(candidates.varied, self.known.intervals, strict=True):
             ends = f"{interval.low:.5g} to {interval.high:.5g} at {percent:g} %"
             source = "from the measurement" if interval.told else "not told by the measurement"
-            remarks.append(f"{', '.join(one.keys)}: {one.start:.5g} -> {interval.value:.5g} ({ends}), {source}")
+            remarks.append(f"{', '.join(var.keys)}: {var.start:.5g} -> {interval.value:.5g} ({ends}), {source}")
         files = [
             write_atomically(folder / REPORT, as_json(self.numbers(), indent=1)),
             write_atomically(folder / TABLE, as_csv(as_rows(self.keys_table()))),

@@ -56,9 +56,9 @@ class Target:
 
 @dataclass(frozen=True)
 class Calibration:
-    """given: the file; candidates: the space of its keys; records: measured files by scenario; reads: all files."""
+    """source: the file; candidates: the space of its keys; records: measured files by scenario; reads: all files."""
 
-    given: FileInput
+    source: FileInput
     candidates: Candidates
     records: Mapping[str, Record]
     reads: tuple[Path, ...]
@@ -66,7 +66,7 @@ class Calibration:
     @property
     def spec(self) -> CalibrationFile:
         """The content of the file."""
-        return self.given.spec  # type: ignore[no-any-return]
+        return self.source.spec  # type: ignore[no-any-return]
 
     def shifts(self, results: Mapping[str, Result]) -> dict[str, Shift]:
         """The shift of every record beside the results of a candidate."""

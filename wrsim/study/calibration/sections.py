@@ -88,10 +88,10 @@ class CalibrationFile(CandidatesFile, header="a calibration"):
         for i, each in enumerate(self.measured):
             if each.reduce is not None and each.noise is None:
                 yield Fault(("measured", i, "noise"), "a number needs its standard deviation", missing=True)
-        for i, one in enumerate(self.value):
-            if (one.scenario is None and len(names) > 1) or (one.scenario is not None and one.scenario not in names):
+        for i, row in enumerate(self.value):
+            if (row.scenario is None and len(names) > 1) or (row.scenario is not None and row.scenario not in names):
                 yield Fault(
-                    ("value", i, "scenario"), f"must be one of {', '.join(names)}", missing=one.scenario is None
+                    ("value", i, "scenario"), f"must be one of {', '.join(names)}", missing=row.scenario is None
                 )
         if self.cases.keep != "results":
             yield Fault(("cases", "keep"), 'a calibration reads series of its cases: must be "results"')

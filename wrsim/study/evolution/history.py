@@ -74,8 +74,8 @@ def wear_history(evolution: Evolution, steps: Sequence[Step]) -> xr.Dataset:
     for (name, (dims, meaning)), values in zip(PROFILES.items(), (*places, np.stack(depths), unworn[0]), strict=True):
         variables[name] = (dims, values, {"units": "m", "long_name": meaning})
     attributes = {
-        "format": FORMAT, "title": evolution.given.title, "law": evolution.spec.law, "wheel": evolution.unworn.name,
-        "evolution_text": evolution.given.text, "cases_text": evolution.cases_text,
+        "format": FORMAT, "title": evolution.source.title, "law": evolution.spec.law, "wheel": evolution.unworn.name,
+        "evolution_text": evolution.source.text, "cases_text": evolution.cases_text,
         "vehicle": evolution.setup.vehicle.name,
         "scenario_text": evolution.base.text.replace(str(evolution.wheel), evolution.spec.wheel),
         "conicity_amplitude_m": 1e-3 * evolution.spec.conicity_amplitude_mm,
@@ -106,7 +106,7 @@ def _conicity(evolution: Evolution, profile: Profile) -> float:
     wheelset = replace(new, left=replace(new.left, profile=profile), right=replace(new.right, profile=profile))
     plan = ConicityPlan(amplitudes=(1e-3 * evolution.spec.conicity_amplitude_mm,))
     try:
-        result = wheelset_conicity(wheelset, setup.rails, setup.track.nominal_gauge, plan, evolution.given.title)
+        result = wheelset_conicity(wheelset, setup.rails, setup.track.nominal_gauge, plan, evolution.source.title)
     except InputError:
         return float("nan")
     return float(result.dataset["equivalent_conicity"].values.ravel()[0])

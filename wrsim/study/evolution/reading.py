@@ -34,13 +34,13 @@ SHARPEST = 1000.0
 class Evolution:
     """A profile evolution in SI units.
 
-    given: the file as it was read, spec: its content, base: its scenario with all that holds for every case; mileage
+    source: the file as it was read, spec: its content, base: its scenario with all that holds for every case; mileage
     [m]; points, cases_text: the cases and their table; shares: of the mileage, in their order; wheel: file of the
     unworn profile, which is ``unworn``; places: edges of the bins of its arclength [m]; setup: of ``base``; digest: of
     everything that shapes the numbers.
     """
 
-    given: StudyInput
+    source: StudyInput
     spec: EvolutionFile
     base: Scenario
     mileage: float
@@ -64,36 +64,36 @@ class Evolution:
 
     def plan(self, folder: Path, wheel: Path, label: str) -> Plan:
         """The study of one step: all cases with this wheel, in a folder. Raises InputError with all faults."""
-        base = self.base.with_values({"vehicle.wheel": str(wheel.resolve())}, str(self.given.file))
-        title, cases = f"{self.given.title}, {label}", CasesSection(time_limit_s=self.spec.time_limit_s)
-        return with_cases(self.given.plan_of(base, title, folder, (self.points,), OutputsSection(), cases), base)[0]
+        base = self.base.with_values({"vehicle.wheel": str(wheel.resolve())}, str(self.source.file))
+        title, cases = f"{self.source.title}, {label}", CasesSection(time_limit_s=self.spec.time_limit_s)
+        return with_cases(self.source.plan_of(base, title, folder, (self.points,), OutputsSection(), cases), base)[0]
 
 
 def read_evolution(file: Path, models: Sequence[str | Path] = ()) -> tuple[Evolution, tuple[Path, ...]]:
     """A profile evolution, and all files that were read. Raises InputError with file, key and what is allowed."""
     with noting_reads() as seen:
-        given = StudyInput(file, "profile evolution file", EvolutionFile, models)
-        spec: EvolutionFile = given.spec
-        base = given.base
-        with given.naming("largest_depth_mm", value=spec.largest_depth_mm):
+        source = StudyInput(file, "profile evolution file", EvolutionFile, models)
+        spec: EvolutionFile = source.spec
+        base = source.base
+        with source.naming("largest_depth_mm", value=spec.largest_depth_mm):
             _check_bend(spec)
         if base.analysis != "curving":
-            with given.naming("base", value=spec.base):
+            with source.naming("base", value=spec.base):
                 raise InputError(f'its analysis is "{base.analysis}"; must be a scenario with analysis = "curving"')
-        wheel = given.file_of("wheel", name=spec.wheel).resolve()
-        with given.naming("wheel", value=spec.wheel):
+        wheel = source.file_of("wheel", name=spec.wheel).resolve()
+        with source.naming("wheel", value=spec.wheel):
             unworn = load_profile(wheel, "wheel")
-        table = given.file_of("cases", name=spec.cases)
+        table = source.file_of("cases", name=spec.cases)
         axis = CsvAxis(kind="csv", file=str(table.resolve()))
-        points, shares = _weighted(axis_points(axis, given.finder, given.locate(("cases",))))
+        points, shares = _weighted(axis_points(axis, source.finder, source.locate(("cases",))))
         changes = {"wear.laws": [spec.law], "vehicle.wheel": str(wheel)}
-        base = base.with_values(changes, given.locate(("base",)))
+        base = base.with_values(changes, source.locate(("base",)))
         setup = build(base)
     digest = hashlib.sha256(repr((spec, STAGES, base.text, sorted(setup.inputs.items()))).encode())
     for path, content in sorted((str(path), content) for path, content in seen.items()):
         digest.update(f"{path} {hashlib.sha256(content).hexdigest()}\n".encode())
     evolution = Evolution(
-        given, spec, base, 1e3 * spec.mileage_km, points, table.read_text(encoding="utf-8"), shares, wheel, unworn,
+        source, spec, base, 1e3 * spec.mileage_km, points, table.read_text(encoding="utf-8"), shares, wheel, unworn,
         bin_edges(unworn, PLACE_STEP), setup, digest.hexdigest()[:32],
     )  # fmt: skip
     return evolution, tuple(seen)

@@ -148,7 +148,7 @@ def _computed(evolution: Evolution, folder: Path, number: int, start: float, are
         evolution.profile(after)
     except InputError as error:
         place = f"step {number}, from {1e-3 * start:.6g} to {1e-3 * (start + way):.6g} km"
-        raise InputError(f"{evolution.given.file}: {place}: {error}") from None
+        raise InputError(f"{evolution.source.file}: {place}: {error}") from None
     lost = tuple(after.tolist())
     return Step(number, start, way, mean.deepest(evolution), mean.tread, mean.flange, lost, evolution.digest)
 
@@ -185,7 +185,7 @@ def write_wheel(evolution: Evolution, folder: Path, areas: Array, label: str, st
         "name": f"{evolution.unworn.name} after {label}",
         "body": "wheel",
         "kind": "worn",
-        "source": f"computed: {evolution.given.title}",
+        "source": f"computed: {evolution.source.title}",
         "base": str(evolution.wheel),
         "depths": depths.name,
     }

@@ -72,10 +72,10 @@ def check_channels(scenario: Scenario, record: Record) -> None:
 
 
 def record_beside(
-    given: FileInput, place: int, name: str, about: RecordSection, sections: Sequence[SeriesSection], scenario: Scenario
+    file: FileInput, place: int, name: str, about: RecordSection, sections: Sequence[SeriesSection], scenario: Scenario
 ) -> Record:
     """The series of a [[scenario]], counted from 0, whose channels a run of it has. Raises InputError."""
-    path = given.file_of("scenario", place, "file", name=str(about.file))
+    path = file.file_of("scenario", place, "file", name=str(about.file))
     kmh = scenario.spec.vehicle.speed_kmh
     record = read_record(path, name, about, sections, kmh / 3.6 if isinstance(kmh, float) else None)
     check_channels(scenario, record)

@@ -205,9 +205,9 @@ def _measured(path: Path, section: SeriesSection, raw: RawSeries) -> Measured:
     channel = CHANNELS[section.channel]
     units, stated = UNITS[channel.unit], section.unit or raw.unit or ("1" if channel.unit == "1" else "")
     if stated not in units:
-        what = f'unit "{stated}" is none of' if stated else "the file states no unit of"
+        fault = f'unit "{stated}" is none of' if stated else "the file states no unit of"
         must = f"must be {', '.join(units)}"
-        raise InputError(f'{path}: series "{section.series}": {what} channel {channel.name}: [[measured]] unit {must}')
+        raise InputError(f'{path}: series "{section.series}": {fault} channel {channel.name}: [[measured]] unit {must}')
     if not np.isfinite(raw.values).any():
         raise InputError(f'{path}: series "{section.series}": has no numbers')
     size = units[stated] * (-1.0 if section.reversed else 1.0)

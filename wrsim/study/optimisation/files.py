@@ -36,6 +36,6 @@ def write_optimisation(search: Search, dataset: xr.Dataset, report: dict[str, An
         return files
     changes = candidates.changes(best.candidate.values)
     start = candidates.changes(candidates.values(candidates.start))
-    remarks = [f"wrsim optimise {candidates.given.file.name}: candidate {best.number} of {report['evaluations']}"]
+    remarks = [f"wrsim optimise {candidates.source.file.name}: candidate {best.number} of {report['evaluations']}"]
     remarks += [f"{key}: {value_text(start[key])} -> {value_text(value)}" for key, value in changes.items()]
     return files + write_changed(folder, BEST, candidates, best.candidate.values, "optimised", remarks)

@@ -59,7 +59,7 @@ def neighbours(search: Search) -> list[Neighbour]:
         best = search.best()
         rows = list(_beside(search, search.point(best)))
         judged = search.evaluate([point for _, _, point in rows])
-        beside = [Neighbour(key, distance, one) for (key, distance, _), one in zip(rows, judged, strict=True)]
+        beside = [Neighbour(key, distance, trial) for (key, distance, _), trial in zip(rows, judged, strict=True)]
         if search.best() is best:
             return beside
     return []
@@ -67,13 +67,13 @@ def neighbours(search: Search) -> list[Neighbour]:
 
 def _beside(search: Search, point: Sequence[float]) -> Iterator[tuple[int, float, list[float]]]:
     """Position of the key, distance and numbers of all neighbours within the bounds."""
-    for i, one in enumerate(search.optimisation.candidates.varied):
+    for i, var in enumerate(search.optimisation.candidates.varied):
         for side in (-1.0, 1.0):
-            if one.stepped:
+            if var.stepped:
                 x = point[i] + side
             else:
-                x = one.number(min(max(one.share(point[i]) + side * STEP, 0.0), 1.0))
-            if one.low <= x <= one.high and x != point[i]:
+                x = var.number(min(max(var.share(point[i]) + side * STEP, 0.0), 1.0))
+            if var.low <= x <= var.high and x != point[i]:
                 yield i, x - point[i], [*point[:i], x, *point[i + 1 :]]
 
 
@@ -87,7 +87,7 @@ def limits(search: Search, beside: Sequence[Neighbour]) -> list[str]:
         lines.append("not converged: candidates beside it are better; allow more evaluations")
     for n in beside:
         varied = search.optimisation.candidates.varied[n.key]
-        values = (value_text(one.candidate.values[n.key]) for one in (best, n.judged))
+        values = (value_text(trial.candidate.values[n.key]) for trial in (best, n.judged))
         way = f"{varied.name} {' -> '.join(values)}"
         if LEAST.order(n.judged) < LEAST.order(best):
             lines.append(f"not converged: {way} is better; allow more evaluations")
@@ -104,7 +104,7 @@ def multipliers(search: Search, beside: Sequence[Neighbour]) -> list[tuple[str, 
     They are the non-negative ones that come nearest to balancing the slopes of the cost (Karush, Kuhn and Tucker), of
     what a neighbour exceeds and of bounds nearer than a neighbour."""
     best, varied = search.best(), search.optimisation.candidates.varied
-    keys = [i for i, one in enumerate(varied) if not one.stepped]
+    keys = [i for i, var in enumerate(varied) if not var.stepped]
     slopes = {i: _slopes(search, best, [n for n in beside if n.key == i and n.judged.complete]) for i in keys}
     if not keys or not all(np.isfinite(each).all() for each in slopes.values()):
         return []
@@ -132,8 +132,8 @@ def _slopes(search: Search, best: Judged, beside: Sequence[Neighbour]) -> Array:
     through three candidates, or from one to the other where the best one is at a bound."""
     if not beside:
         return np.full(1, np.nan)
-    one = search.optimisation.candidates.varied[beside[0].key]
-    x = np.array([one.share(search.point(each)[beside[0].key]) for each in (best, *(n.judged for n in beside))])
+    var = search.optimisation.candidates.varied[beside[0].key]
+    x = np.array([var.share(search.point(each)[beside[0].key]) for each in (best, *(n.judged for n in beside))])
     y = np.array([(each.costs[0], *each.margins) for each in (best, *(n.judged for n in beside))])
     return np.asarray(np.polynomial.polynomial.polyfit(x - x[0], y, len(beside))[1])
 
@@ -162,7 +162,7 @@ def optimisation_report(search: Search, beside: Sequence[Neighbour]) -> dict[str
         ],
     }
     if optimisation.spec.search.front is not None:
-        report["front"] = [_record(optimisation, one) for one in search.front()]
+        report["front"] = [_record(optimisation, trial) for trial in search.front()]
     return report
 
 
@@ -189,35 +189,34 @@ def history(search: Search) -> xr.Dataset:
     for i, (_, sign) in enumerate(optimisation.shown_costs):
         name = f"cost_{i + 1}" if len(optimisation.shown_costs) > 1 else "cost"
         attributes = {"units": "1", "long_name": optimisation.shown_costs[i][0], "sign": sign}
-        variables[name] = ("evaluation", np.array([one.costs[i] for one in judged]), attributes)
+        variables[name] = ("evaluation", np.array([trial.costs[i] for trial in judged]), attributes)
     units = {
         (scenario.name, name): unit
-        for one in judged
+        for trial in judged
         for scenario in candidates.scenarios
-        for name, unit in one.candidate.cases[scenario.name].units.items()
+        for name, unit in trial.candidate.cases[scenario.name].units.items()
     }
     for (scenario, name), unit in units.items():
-        column = [one.candidate.cases[scenario].numbers.get(name) for one in judged]
+        column = [trial.candidate.cases[scenario].numbers.get(name) for trial in judged]
         label = f"{name}_{scenario}" if optimisation.several else name
         variables[label] = ("evaluation", np.array(column, dtype=float), {"units": unit or "1"})
     for i, name in enumerate(optimisation.margin_names):
-        variables[f"margin_{i + 1}"] = (
-            "evaluation", np.array([one.margins[i] for one in judged]), {"units": "1", "long_name": f"margin: {name}"}
-        )  # fmt: skip
+        attributes = {"units": "1", "long_name": f"margin: {name}"}
+        variables[f"margin_{i + 1}"] = ("evaluation", np.array([trial.margins[i] for trial in judged]), attributes)
     texts = {
-        "status": [status_of(one) for one in judged],
-        "message": [one.candidate.message for one in judged],
-        "name": [" ".join(case.name for case in one.candidate.cases.values() if case.name) for one in judged],
+        "status": [status_of(trial) for trial in judged],
+        "message": [trial.candidate.message for trial in judged],
+        "name": [" ".join(case.name for case in trial.candidate.cases.values() if case.name) for trial in judged],
     }
     variables |= {name: ("evaluation", np.array(column, dtype=object)) for name, column in texts.items()}
     coords: dict[str, Any] = {"evaluation": ("evaluation", np.arange(1.0, len(judged) + 1.0))}
-    for i, one in enumerate(candidates.varied):
+    for i, var in enumerate(candidates.varied):
         values = labels_of([each.candidate.values[i] for each in judged])
-        coords[one.keys[0].replace(" ", "_")] = ("evaluation", values, {"key": ", ".join(one.keys)})
+        coords[var.keys[0].replace(" ", "_")] = ("evaluation", values, {"key": ", ".join(var.keys)})
     first = candidates.scenarios[0].base
     attributes = {"format": FORMAT, "title": candidates.title, "analysis": first.analysis}
     attributes |= {
-        "study_text": candidates.given.text,
+        "study_text": candidates.source.text,
         "scenario_text": first.text,
         "vehicle": first.spec.vehicle.model,
     }

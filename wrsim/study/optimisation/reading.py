@@ -50,8 +50,8 @@ class SoughtOutput(ChannelOutput):
 
     def channel_output(self) -> ChannelOutput:
         """The channel as an output of a study."""
-        given = {key: getattr(self, key) for key in ChannelOutput.model_fields}
-        return ChannelOutput(**{key: value for key, value in given.items() if value is not None})
+        values = {key: getattr(self, key) for key in ChannelOutput.model_fields}
+        return ChannelOutput(**{key: value for key, value in values.items() if value is not None})
 
     def outputs(self) -> OutputsSection:
         """The outputs section of this output alone."""
@@ -177,8 +177,8 @@ class OptimisationFile(CandidatesFile, header="an optimisation"):
         yield from super().consistency()
         known = [name for name, *_ in self.named_bases()]
         for key in ("objective", "constraint"):
-            for i, one in enumerate(getattr(self, key)):
-                if one.scenario is not None and one.scenario not in known:
+            for i, entry in enumerate(getattr(self, key)):
+                if entry.scenario is not None and entry.scenario not in known:
                     yield Fault((key, i, "scenario"), f"there is {', '.join(known)}")
         if self.search.front is not None and len(self.objective) != 2:
             yield Fault(("search", "front"), f"needs two objectives, not {len(self.objective)}")
@@ -254,10 +254,10 @@ class Optimisation:
     def summary(self) -> str:
         """What is varied, sought and allowed, in sentences."""
         candidates = self.candidates
-        varied = [f"{', '.join(one.keys)} ({one.range_text})" for one in candidates.varied]
-        aims = [f"{one.aim or f'target {one.target:g}'}: {one.number_name}" for one in self.spec.objective]
+        varied = [f"{', '.join(entry.keys)} ({entry.range_text})" for entry in candidates.varied]
+        aims = [f"{entry.aim or f'target {entry.target:g}'}: {entry.number_name}" for entry in self.spec.objective]
         allowed = f" Constraints: {'; '.join(self.margin_names)}." if self.constraints else ""
-        scenarios = f" Scenarios: {', '.join(one.base.title for one in candidates.scenarios)}."
+        scenarios = f" Scenarios: {', '.join(entry.base.title for entry in candidates.scenarios)}."
         return f"Varied: {'; '.join(varied)}. Objective: {'; '.join(aims)}.{allowed}{scenarios}"
 
     @property
@@ -266,8 +266,8 @@ class Optimisation:
         sections = self.spec.objective
         if self.spec.search.front is None and len(sections) > 1:
             return [("cost", 1.0)]
-        signs = [-1.0 if one.aim == "maximise" else 1.0 for one in sections]
-        names = [f"squared deviation of {one.number_name}" if one.aim is None else one.number_name for one in sections]
+        signs = [-1.0 if aim.aim == "maximise" else 1.0 for aim in sections]
+        names = [f"squared deviation of {aim.number_name}" if aim.aim is None else aim.number_name for aim in sections]
         return list(zip(names, signs, strict=True))
 
     def shown(self, judged: Judged) -> dict[str, float | None]:
@@ -287,7 +287,7 @@ class Optimisation:
             costs = [sum(costs)]
         else:
             pairs = list(zip(self.objectives, costs, strict=True))
-            costs = [sum(cost for each, cost in pairs if each.section is one) for one in self.spec.objective]
+            costs = [sum(cost for each, cost in pairs if each.section is section) for section in self.spec.objective]
         margins = chain.from_iterable(each.section.margins(each.value(candidate)) for each in self.constraints)
         return Judged(number, candidate, tuple(costs), tuple(margins))
 
@@ -295,31 +295,31 @@ class Optimisation:
 def read_optimisation(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> Optimisation:
     """The optimisation of a file, everything checked that can be before a case runs. Raises InputError."""
     with noting_reads() as seen:
-        given = FileInput(file, "optimisation file", OptimisationFile, models)
-        spec: OptimisationFile = given.spec
+        source = FileInput(file, "optimisation file", OptimisationFile, models)
+        spec: OptimisationFile = source.spec
         names = [name for name, *_ in spec.named_bases()]
         sought: list[Sought] = [
-            (key, i, one) for key in ("objective", "constraint") for i, one in enumerate(getattr(spec, key))
+            (key, i, row) for key in ("objective", "constraint") for i, row in enumerate(getattr(spec, key))
         ]
         hooks: dict[str, str] = {}
-        for key, i, one in sought:
+        for key, i, row in sought:
             for name in names:
-                if one.hook and one.scenario in (None, name) and hooks.setdefault(name, one.hook) != one.hook:
-                    with given.naming(key, i, "hook", value=one.hook):
+                if row.hook and row.scenario in (None, name) and hooks.setdefault(name, row.hook) != row.hook:
+                    with source.naming(key, i, "hook", value=row.hook):
                         raise InputError(f"must be one hook a scenario: '{name}' has {hooks[name]}")
-        files = {name: given.hook_file(hook, "objective") for name, hook in hooks.items()}
-        outputs = {name: _united(one for _, _, one in sought if one.scenario in (None, name)) for name in names}
-        candidates = read_candidates(given, folder, outputs, files)
+        files = {name: source.hook_file(hook, "objective") for name, hook in hooks.items()}
+        outputs = {name: _united(row for _, _, row in sought if row.scenario in (None, name)) for name in names}
+        candidates = read_candidates(source, folder, outputs, files)
     for scenario in candidates.scenarios:
         _probe(candidates, scenario, [each for each in sought if each[2].scenario in (None, scenario.name)])
     weights = {scenario.name: scenario.weight for scenario in candidates.scenarios}
 
     def of_scenarios(sections: Sequence[SoughtOutput]) -> tuple[Output, ...]:
         return tuple(
-            Output(name, weights[name], one.number_name, one)
-            for one in sections
+            Output(name, weights[name], row.number_name, row)
+            for row in sections
             for name in names
-            if one.scenario in (None, name)
+            if row.scenario in (None, name)
         )
 
     return Optimisation(spec, candidates, of_scenarios(spec.objective), of_scenarios(spec.constraint), tuple(seen))
@@ -327,9 +327,9 @@ def read_optimisation(file: Path, folder: Path, models: Sequence[str | Path] = (
 
 def _united(sought: Iterable[SoughtOutput]) -> OutputsSection:
     """All outputs of a scenario. Raises InputError where two of them share a name."""
-    parts = [one.outputs() for one in sought]
+    parts = [row.outputs() for row in sought]
     channels = tuple(dict.fromkeys(chain.from_iterable(part.channels for part in parts)))
-    for name in repeated(one.column for one in channels):
+    for name in repeated(row.column for row in channels):
         raise InputError(f'two outputs are called "{name}": give one of them another name')
     return OutputsSection(
         channels=channels,
@@ -344,17 +344,17 @@ def _probe(candidates: Candidates, scenario: OneScenario, sought: Sequence[Sough
     those of the whole, or the case itself where it takes seconds. Raises InputError."""
     values = candidates.values(candidates.start)
     moves = ANALYSES[scenario.base.analysis].moves
-    early = [(key, i, one) for key, i, one in sought if not moves or one.channel or one.summary]
+    early = [(key, i, row) for key, i, row in sought if not moves or row.channel or row.summary]
     if not early or not missing(candidates.plan(scenario, [values])[0]):
         return
     start = scenario.base.with_values(candidates.changes(values))
     hook = Path(scenario.hook) if scenario.hook else None
     with suppress(SimulationError):  # a start that fails is told with the others
         result = begun(start) if moves else run(start, setup=build(start), threads=1)
-        for key, i, one in early:
-            if moves and one.summary:
-                with candidates.given.naming(key, i, "summary"):
-                    check_place(result, one.summary)
-            elif faults := case_outputs(result, one.outputs(), hook).faults:
-                with candidates.given.naming(key, i):
+        for key, i, row in early:
+            if moves and row.summary:
+                with candidates.source.naming(key, i, "summary"):
+                    check_place(result, row.summary)
+            elif faults := case_outputs(result, row.outputs(), hook).faults:
+                with candidates.source.naming(key, i):
                     raise InputError(faults[0].removeprefix("outputs."))

@@ -63,12 +63,12 @@ class Search:
         """What the candidates at some points come to."""
         before = len(self.known)
         candidates = self.optimisation.candidates.evaluated(points, self.work)
-        for one in candidates:
-            if one.values not in self.known:
-                self.known[one.values] = self.optimisation.judged(len(self.known) + 1, one)
+        for candidate in candidates:
+            if candidate.values not in self.known:
+                self.known[candidate.values] = self.optimisation.judged(len(self.known) + 1, candidate)
         if len(self.known) > before:
             self.notify(f"{len(self.known)} candidates, best: {self._text(self.best())}")
-        return [self.known[one.values] for one in candidates]
+        return [self.known[candidate.values] for candidate in candidates]
 
     def _text(self, judged: Judged) -> str:
         costs = self.optimisation.shown(judged)
@@ -85,7 +85,7 @@ class Search:
     def point(self, judged: Judged) -> tuple[float, ...]:
         """The numbers of a candidate's values."""
         pairs = zip(self.optimisation.candidates.varied, judged.candidate.values, strict=True)
-        return tuple(float(one.choices.index(value)) if one.choices else float(value) for one, value in pairs)
+        return tuple(float(var.choices.index(value)) if var.choices else float(value) for var, value in pairs)
 
     def run(self) -> None:
         """Search to the end."""
@@ -108,11 +108,11 @@ class Search:
 
     def front(self) -> list[Judged]:
         """Candidates than which none is better in one objective and not worse in the other, by the first one."""
-        feasible = sorted((one for one in self.known.values() if one.feasible), key=lambda one: one.costs)
+        feasible = sorted((trial for trial in self.known.values() if trial.feasible), key=lambda trial: trial.costs)
         front: list[Judged] = []
-        for one in feasible:
-            if not front or one.costs[1] < front[-1].costs[1]:
-                front.append(one)
+        for trial in feasible:
+            if not front or trial.costs[1] < front[-1].costs[1]:
+                front.append(trial)
         return front
 
     def _minimise(self, goal: Goal, most: int) -> None:
@@ -148,11 +148,11 @@ def _cma(search: Search, goal: Goal, most: int) -> str:
     cma = cma_package()
     varied, spec = search.optimisation.candidates.varied, search.optimisation.spec.search
     generator = np.random.default_rng((spec.seed, len(search.ends)))
-    stepped = [i for i, one in enumerate(varied) if one.stepped]
-    low = np.array([one.low - 0.499 if one.stepped else 0.0 for one in varied])
-    high = np.array([one.high + 0.499 if one.stepped else 1.0 for one in varied])
+    stepped = [i for i, var in enumerate(varied) if var.stepped]
+    low = np.array([var.low - 0.499 if var.stepped else 0.0 for var in varied])
+    high = np.array([var.high + 0.499 if var.stepped else 1.0 for var in varied])
     best = search.point(search.best(goal))
-    start = np.array([x if one.stepped else one.share(x) for one, x in zip(varied, best, strict=True)])
+    start = np.array([x if var.stepped else var.share(x) for var, x in zip(varied, best, strict=True)])
     population, why = spec.generation(len(varied)), ""
     for restart in range(spec.restarts + 1):
         options = {
@@ -166,8 +166,8 @@ def _cma(search: Search, goal: Goal, most: int) -> str:
                 return "evaluations used up"
             samples = strategy.ask()
             shares = [zip(varied, sample, strict=True) for sample in samples]
-            judged = search.evaluate([[x if one.stepped else one.number(x) for one, x in pairs] for pairs in shares])
-            strategy.tell(samples, _told([goal.order(one) for one in judged]))
+            judged = search.evaluate([[x if var.stepped else var.number(x) for var, x in pairs] for pairs in shares])
+            strategy.tell(samples, _told([goal.order(trial) for trial in judged]))
         why = "converged" if "tolx" in ends else f"no progress: {', '.join(ends)}"
         start = generator.uniform(low, high)
     return why
