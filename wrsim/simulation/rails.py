@@ -131,14 +131,14 @@ class RailsOnSleepers:
     def _carry(self) -> None:
         """Forces of the bridge on ballast and end zones at the end of the step."""
         for r in range(2 if len(self._pressed) else 0):
-            self.rails.vertical.given[r] = self._held[r] @ self.deck[0] + self._dragged[r] @ self.deck[1]
+            self.rails.vertical.forces[r] = self._held[r] @ self.deck[0] + self._dragged[r] @ self.deck[1]
 
     def _press(self) -> None:
         """What these do to the modes of the bridge, as foretold."""
         c, d = self.method[5:7]
         self._pressed[:] = 0.0
         for r in range(2 if len(self._pressed) else 0):
-            system, given = self.rails.vertical.rows[r], self.rails.vertical.given[r]
+            system, given = self.rails.vertical.rows[r], self.rails.vertical.forces[r]
             u, u_t = system[systems.P] + c * system[systems.U_TT], system[systems.P_T] + d * system[systems.U_TT]
             self._pressed[:] += self._follow.T @ given - self._held[r].T @ u - self._dragged[r].T @ u_t
 

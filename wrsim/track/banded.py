@@ -50,29 +50,29 @@ def subtract_product(a: Array, x: Array, out: Array) -> None:
 
 
 @inlined
-def _solve(one: Array, other: Array, k: int, x: Array, y: Array) -> None:
-    n = one.shape[0]
+def _solve(a: Array, b: Array, k: int, x: Array, y: Array) -> None:
+    n = a.shape[0]
     for i in range(min(k, n)):
         for j in range(i):
-            x[i] -= one[i, k - i + j] * x[j]
-            y[i] -= other[i, k - i + j] * y[j]
+            x[i] -= a[i, k - i + j] * x[j]
+            y[i] -= b[i, k - i + j] * y[j]
     for i in range(k, n):
         first, second = x[i], y[i]
         for j in range(k):
-            first -= one[i, j] * x[i - k + j]
-            second -= other[i, j] * y[i - k + j]
+            first -= a[i, j] * x[i - k + j]
+            second -= b[i, j] * y[i - k + j]
         x[i], y[i] = first, second
     for i in range(n - 1, max(n - k, 0) - 1, -1):
-        x[i] *= one[i, k]
-        y[i] *= other[i, k]
+        x[i] *= a[i, k]
+        y[i] *= b[i, k]
         for j in range(i + 1, n):
-            x[i] -= one[j, k - j + i] * x[j]
-            y[i] -= other[j, k - j + i] * y[j]
+            x[i] -= a[j, k - j + i] * x[j]
+            y[i] -= b[j, k - j + i] * y[j]
     for i in range(n - k - 1, -1, -1):
-        first, second = x[i] * one[i, k], y[i] * other[i, k]
+        first, second = x[i] * a[i, k], y[i] * b[i, k]
         for j in range(k):  # from the farthest below
-            first -= one[i + k - j, j] * x[i + k - j]
-            second -= other[i + k - j, j] * y[i + k - j]
+            first -= a[i + k - j, j] * x[i + k - j]
+            second -= b[i + k - j, j] * y[i + k - j]
         x[i], y[i] = first, second
 
 
@@ -85,11 +85,11 @@ def _subtract_product(a: Array, k: int, x: Array, out: Array) -> None:
             out[i] -= a[i, k - i + j] * x[j]
             out[j] -= a[i, k - i + j] * x[i]
     for i in range(k, n):
-        here, total = x[i], a[i, k] * x[i]
+        value, total = x[i], a[i, k] * x[i]
         for j in range(k):
             number = a[i, j]
             total += number * x[i - k + j]
-            out[i - k + j] -= number * here
+            out[i - k + j] -= number * value
         out[i] -= total
 
 

@@ -95,8 +95,8 @@ class Head:
     @classmethod
     def of(cls, file: RailHeadFile) -> Head:
         """The head that a file describes."""
-        given, widths = [MM * r for r in file.radii_mm], [MM * b for b in file.half_widths_mm]
-        arcs = head_arcs(file.name, given, widths, file.side_slope)
+        radii_m, widths = [MM * r for r in file.radii_mm], [MM * b for b in file.half_widths_mm]
+        arcs = head_arcs(file.name, radii_m, widths, file.side_slope)
         radii, angles = np.array([arc.radius for arc in arcs]), np.array([0.0, *(-arc.last for arc in arcs)])
         reach = np.array([0.0, *(arc.u + arc.radius * np.sin(-arc.last) for arc in arcs)])
         low = np.array([0.0, *(-arc.w - arc.radius * np.cos(arc.last) for arc in arcs)])
@@ -223,4 +223,4 @@ def _section(file: CrossingFile, head: Head, s: float, inclination: float) -> Ra
     out.line(out.u + slope * (out.w - last), last)
     features = [*(on_nose or [0.0] * 3), *([] if on_nose[3:] else [out.length * nose]), *(on_wing or [out.length] * 3)]
     profile = profile_from_sections(f"{file.name}, {s:.3f} m", "rail", out.sections, file.source).inclined(inclination)
-    return RailSection(s, profile, tuple(min(one, profile.length) for one in features))
+    return RailSection(s, profile, tuple(min(feature, profile.length) for feature in features))

@@ -185,11 +185,11 @@ class Piecewise:
         # (1 - a)^3 (3 + a) from s - w to s and from s to s + w, in falling powers of the distance from there over w
         halves = np.array([[-1.0, -1.0], [4.0, 0.0], [0.0, 6.0], [0.0, -8.0], [0.0, 3.0]])
         first, last = (np.searchsorted(parts[:-1], joint + sign * width) for sign in (-1.0, 1.0))
-        which = np.repeat(np.arange(joint.size), last - first)  # joint whose bump goes over the part ``at``
-        neighbours = np.arange(which.size) + np.repeat(last - np.cumsum(last - first), last - first)
-        s, w, half = joint[which], width[which], (parts[neighbours] >= joint[which]).astype(int)
+        joint_index = np.repeat(np.arange(joint.size), last - first)  # joint whose bump goes over each part
+        neighbours = np.arange(joint_index.size) + np.repeat(last - np.cumsum(last - first), last - first)
+        s, w, half = joint[joint_index], width[joint_index], (parts[neighbours] >= joint[joint_index]).astype(int)
         powers = np.cumprod([np.ones(neighbours.size), *[parts[neighbours] - np.where(half, s, s - w)] * 4], axis=0)
-        bump = (jump * width / 16.0)[which] * halves[:, half] / w ** np.array(orders)[:, None]
+        bump = (jump * width / 16.0)[joint_index] * halves[:, half] / w ** np.array(orders)[:, None]
         for row, n in zip(c[-5:], orders, strict=True):
             slopes = sum(bump[4 - k] * powers[k - n] * perm(k, n) for k in range(n, 5))
             np.add.at(row, neighbours, slopes / factorial(n))

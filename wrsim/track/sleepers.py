@@ -259,10 +259,10 @@ class SleeperTrack:
         sides = [SIDES[system]] if system < 2 else list(SIDES)
         pad = np.mean([self._factor(places[:-1], side, "pad") for side in sides], axis=0)
         ballast = np.mean([self._factor(places[:-1], side, "ballast") for side in sides], axis=0)
-        for sleeper, which in self.unsupported:
+        for sleeper, rail in self.unsupported:
             hanging = round((sleeper - self.offset) / self.spacing) - first
             if 0 <= hanging < count:
-                ballast[hanging] *= 1.0 - np.mean([which in (side, "both") for side in sides])
+                ballast[hanging] *= 1.0 - np.mean([rail in (side, "both") for side in sides])
         begin = (places[:-1, None] + length * np.arange(self.elements)).ravel()
         end = begin + length.ravel()
         for joint in self.joints:

@@ -251,14 +251,14 @@ class Assembly:
         if element.name not in self.pressed:
             return element
         names, path, spring = self.pressed[element.name]
-        known = {other.name: other for other in self.elements}
+        known = {candidate.name: candidate for candidate in self.elements}
         full_name = next((name for name in names if name in known), None)
         if full_name is None:
             prefix, _ = self.written[element.name]
             siblings = list(dict.fromkeys(name for place, name in self.written.values() if place == prefix))
             raise self._unknown(path, "is no element", spring, siblings)
-        other = known[full_name].slider
-        if other is not None and other.normal is not None and other.normal.element:
+        candidate = known[full_name].slider
+        if candidate is not None and candidate.normal is not None and candidate.normal.element:
             raise self._fault(path, "depends on the load of a spring itself: must be that spring", spring)
         slider = element.slider
         if slider is None or slider.normal is None:

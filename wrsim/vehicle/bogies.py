@@ -64,14 +64,14 @@ def wheelsets_beneath(vehicle: Vehicle) -> dict[str, tuple[int, ...]]:
     numbers = {mounted.name: i for i, mounted in enumerate(vehicle.wheelsets)}
     of_holder = {i: held for held in beneath.values() for i in held}
     joined: dict[str, set[str]] = {body.name: set() for body in vehicle.bodies}
-    for one, other in _joints(vehicle):
-        if one in joined:
-            joined[one].add(other)
+    for end, joint in _joints(vehicle):
+        if end in joined:
+            joined[end].add(joint)
     while True:
         further = {}
         for body in joined.keys() - beneath.keys():
-            carried = [beneath[other] for other in joined[body] if other in beneath]
-            carried += [of_holder[numbers[other]] for other in joined[body] if numbers.get(other) in of_holder]
+            carried = [beneath[joint] for joint in joined[body] if joint in beneath]
+            carried += [of_holder[numbers[joint]] for joint in joined[body] if numbers.get(joint) in of_holder]
             if carried:
                 further[body] = set().union(*carried)
         if not further:
@@ -87,9 +87,9 @@ def level_of(vehicle: Vehicle, body: str) -> Level:
     axles = {mounted.name for mounted in vehicle.wheelsets}
     if body in axles:
         return "wheelset"
-    others = _joined(vehicle, body)
+    joined = _joined(vehicle, body)
     bodies = {b.name for b in vehicle.bodies}
-    return "bogie frame" if others & axles and others & bodies else "car body"
+    return "bogie frame" if joined & axles and joined & bodies else "car body"
 
 
 def bogie_mass(vehicle: Vehicle, body: str) -> float:
@@ -113,4 +113,4 @@ def _joints(vehicle: Vehicle, without: Container[str] = ()) -> Iterator[tuple[st
 def _joined(vehicle: Vehicle, body: str) -> set[str]:
     """Names of the bodies that suspension elements, but no couplings, join to a body."""
     couplings = {name for coupling in vehicle.couplings for name in coupling.elements}
-    return {other for one, other in _joints(vehicle, couplings) if one == body} - {body}
+    return {joint for end, joint in _joints(vehicle, couplings) if end == body} - {body}

@@ -286,11 +286,11 @@ class BilinearSpring(Strut):
 
     def table(self, at_rest: float) -> Table:
         """Rows (travel [m], restoring force less that at rest [N]); at_rest: force on the second body there [N]."""
-        k, both, kink = self.stiffness, self.stiffness + self.second_stiffness, self.second_from
+        k, total, kink = self.stiffness, self.stiffness + self.second_stiffness, self.second_from
         sign, load = np.sign(at_rest), abs(at_rest)
-        bend = (kink - load) / (k if load < kink else both)
+        bend = (kink - load) / (k if load < kink else total)
         free = bend - kink / k
-        compressed = ((free - FAR, 0.0), (free, 0.0), (bend, kink), (bend + FAR, kink + both * FAR))
+        compressed = ((free - FAR, 0.0), (free, 0.0), (bend, kink), (bend + FAR, kink + total * FAR))
         return tuple(sorted((float(-sign * c), float(at_rest - sign * force)) for c, force in compressed))
 
 

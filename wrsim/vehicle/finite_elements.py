@@ -71,7 +71,7 @@ def free_modes(
     """
     places, held = np.asarray(nodes, dtype=float), np.asarray(points, dtype=float)
     size = 3 * len(places)
-    k, m = (_matrix(given, name, size) for given, name in ((stiffness, "stiffness"), (mass, "mass")))
+    k, m = (_matrix(source, name, size) for source, name in ((stiffness, "stiffness"), (mass, "mass")))
     if basis is not None:
         if np.ndim(basis) != 2 or len(basis) != size:
             raise InputError(f"basis: has the shape {np.shape(basis)}; allowed: ({size}, shapes)")
@@ -98,22 +98,22 @@ def free_modes(
     )
 
 
-def _matrix(given: Any, name: str, size: int) -> csc_matrix:
+def _matrix(source: Any, name: str, size: int) -> csc_matrix:
     """A matrix (size, size) of a file or an array; the sizes of a file are read ahead of what they ask room for."""
-    is_file = isinstance(given, str | Path)
+    is_file = isinstance(source, str | Path)
     if is_file:
         try:
-            shape, entries = (head := mminfo(str(given)))[:2], head[2]
-            if shape == (size, size) and entries <= Path(given).stat().st_size:
-                given = mmread(str(given), spmatrix=False)
+            shape, entries = (head := mminfo(str(source)))[:2], head[2]
+            if shape == (size, size) and entries <= Path(source).stat().st_size:
+                source = mmread(str(source), spmatrix=False)
             elif shape == (size, size):
                 raise ValueError(f"it is too short for {entries} numbers")
         except (OSError, ValueError, OverflowError, MemoryError) as error:
-            raise InputError(f"{given}: is no Matrix Market file of the {name} ({error})") from None
-    shape = tuple(shape) if is_file else np.shape(given)
+            raise InputError(f"{source}: is no Matrix Market file of the {name} ({error})") from None
+    shape = tuple(shape) if is_file else np.shape(source)
     if shape != (size, size):
         raise InputError(f"{name}: has the shape {shape}; allowed: {(size, size)} for {size // 3} nodes")
-    return csc_matrix(given, dtype=float)
+    return csc_matrix(source, dtype=float)
 
 
 def _eigen(k: csc_matrix, m: csc_matrix, count: int) -> tuple[Array, Array]:

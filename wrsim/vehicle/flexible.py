@@ -238,5 +238,5 @@ class FlexibleTable(Section, header="[bodies.NAME.flexible]"):
         if self.modes is None:
             first = (self.first_vertical_Hz, self.first_lateral_Hz)
             return BeamModes.of_body(mass, centre, (self.length_mm or 0.0) / 1e3, first, self.count, self.damping)
-        given = read_modes(find(self.modes), self.reach_mm / 1e3)
-        return PointModes(**vars(given) | {"origin": origin, "signs": signs})
+        modes = read_modes(find(self.modes), self.reach_mm / 1e3)
+        return PointModes(**vars(modes) | {"origin": origin, "signs": signs})

@@ -154,10 +154,10 @@ def read_radii(path: Path, shortest: float = 0.0) -> RadiusTable:
     ways = ("angle_deg theta_rad", "deviation_mm deviation_um depth_mm", "across_mm y_mm")
     columns = []
     for way in ways:
-        given = [name for name in way.split() if name in table]
-        if len(given) > 1 or (not given and way != ways[2]):
-            raise InputError(f"{path}: one of the columns {way.replace(' ', ', ')} is needed, not {len(given)}")
-        columns.append((given[0], table[given[0]] * SI[given[0]]) if given else ("", np.zeros(lines.size)))
+        names = [name for name in way.split() if name in table]
+        if len(names) > 1 or (not names and way != ways[2]):
+            raise InputError(f"{path}: one of the columns {way.replace(' ', ', ')} is needed, not {len(names)}")
+        columns.append((names[0], table[names[0]] * SI[names[0]]) if names else ("", np.zeros(lines.size)))
     (name, angle), (_, deviation), (place, across) = columns
     if not place:
         check_rising(path, name, table[name], lines)
@@ -193,9 +193,9 @@ def read_wheel_sections(path: Path, profile: Profile, shortest: float = 0.0) -> 
     curves = [_heights(section) for section in (profile, *sections)]
     low, high = max(curve[0][0] for curve in curves), min(curve[0][-1] for curve in curves)
     across = np.linspace(low, high, max(int((high - low) / SECTION_DISTANCE), 4) + 1)
-    reference, *others = (np.interp(across, *curve) for curve in curves)
+    reference, *rows = (np.interp(across, *curve) for curve in curves)
     angle = degrees * SI["angle_deg"]
-    return _checked(path, angle, across, reference - np.array(others), shortest)
+    return _checked(path, angle, across, reference - np.array(rows), shortest)
 
 
 def _heights(profile: Profile) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

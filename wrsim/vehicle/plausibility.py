@@ -162,22 +162,22 @@ def _distances(vehicle: Vehicle) -> Iterator[str]:
         joined = [{*_carriers(vehicle, e)} for e in vehicle.elements]
         held = [m.x for m in vehicle.wheelsets if {name, m.name} in joined]
         spans |= {(min(held), max(held)): name} if len(held) > 1 else {}
-    for (span, first), (other, second) in pairwise(sorted(spans.items(), key=lambda item: -sum(item[0]))):
-        if other[1] > span[0]:
+    for (span, first), (neighbour, second) in pairwise(sorted(spans.items(), key=lambda item: -sum(item[0]))):
+        if neighbour[1] > span[0]:
             mixed = (
                 f"wheelsets of '{first}' and '{second}' are among each other: {span[1] - span[0]:.4g} m is a wheelbase"
             )
-            yield f"{mixed} too long for their distance of {0.5 * (sum(span) - sum(other)):.4g} m"
+            yield f"{mixed} too long for their distance of {0.5 * (sum(span) - sum(neighbour)):.4g} m"
 
 
 def _carriers(vehicle: Vehicle, element: Element) -> tuple[str, str]:
     return vehicle.carrier(element.first), vehicle.carrier(element.second)
 
 
-def _more(items: Sequence[object], what: str) -> str:
+def _more(items: Sequence[object], noun: str) -> str:
     """How many more there are than the first."""
     more = len(items) - 1
-    return f" (and {more} more {what}{'s' * (more != 1)})" if more > 0 else ""
+    return f" (and {more} more {noun}{'s' * (more != 1)})" if more > 0 else ""
 
 
 def _masses(vehicle: Vehicle) -> Iterator[str]:
@@ -195,18 +195,18 @@ def _gyration(vehicle: Vehicle, known: Collection[str], misplaced: bool) -> Iter
             reach = max(abs(x - part.centre[0]) for x in _held(vehicle, part.name)) + OVERHANG
             most = (HALF_GAUGE, hypot(reach, HIGHEST), hypot(reach, 0.5 * HIGHEST))
             most = (most[0], inf, inf) if misplaced else most
-            what, mass, inertia = f"body '{part.name}'", part.mass, part.inertia
+            part_name, mass, inertia = f"body '{part.name}'", part.mass, part.inertia
         else:
             wheelset = part.wheelset
             across = hypot(0.5 * wheelset.profile_spacing + 0.5, wheelset.mean_radius)
             most = (across, inf, across)  # inertia of gears and motors is often counted about the axle
-            what, mass, inertia = f"wheelset '{part.name}'", wheelset.mass, wheelset.inertia
+            part_name, mass, inertia = f"wheelset '{part.name}'", wheelset.mass, wheelset.inertia
         radii = [(value / mass) ** 0.5 for value in inertia]
         wrong = [k for k in range(3) if radii[k] > most[k]]
         if wrong and part.name not in known:
             each = _joined([f"{radii[k]:.4g} m {DIRECTIONS[3 + k]} ({inertia[k]:.4g} kg m2)" for k in wrong])
             limits = _joined([f"{most[k]:.3g}" for k in wrong])
-            message = f"radius of gyration of {what} of {mass:.4g} kg is {each}"
+            message = f"radius of gyration of {part_name} of {mass:.4g} kg is {each}"
             yield part.name, f"{message}; plausible is up to {limits} m, as far as any mass"
 
 
@@ -222,8 +222,8 @@ def _density(vehicle: Vehicle, known: Collection[str]) -> Iterator[tuple[str, st
         inertia = part.inertia if isinstance(part, Body) else part.wheelset.inertia
         sphere = 0.6 * (0.75 * mass / pi / DENSEST) ** (2 / 3)
         if (gyration := 0.5 * sum(inertia) / mass) < sphere and part.name not in known:
-            what = f"{'body' if isinstance(part, Body) else 'wheelset'} '{part.name}'"
-            message = f"moments of inertia of {what} are those of a sphere of {(gyration / 0.6) ** 0.5:.3g} m of radius"
+            name = f"{'body' if isinstance(part, Body) else 'wheelset'} '{part.name}'"
+            message = f"moments of inertia of {name} are those of a sphere of {(gyration / 0.6) ** 0.5:.3g} m of radius"
             yield part.name, f"{message}; {mass:.4g} kg of the densest metal have {(sphere / 0.6) ** 0.5:.3g} m"
 
 
@@ -263,8 +263,8 @@ def _free_directions(springs: _Springs) -> Iterator[str]:
             free = [DIRECTIONS[directions[k]] for k, row in enumerate(loose) if row @ row > 0.5]
             alike.setdefault(_joined(free), []).append(_what(vehicle, i))
     for along, parts in alike.items():
-        what = parts[0] + _more(parts, "part")
-        yield f"nothing holds {what} {along}: no spring of it works in that direction"
+        label = parts[0] + _more(parts, "part")
+        yield f"nothing holds {label} {along}: no spring of it works in that direction"
     directions_of[vehicle.reference] = [k for k in directions_of[vehicle.reference] if k not in (0, 1, 5)]
     places = np.array([6 * i + k for i, directions in enumerate(directions_of) for k in directions])
     together = springs.loose(places)

@@ -67,12 +67,12 @@ def preloads(vehicle: Vehicle) -> list[Preload]:
         direction = worst % 6 if worst < 6 * n else PITCH
         together = np.abs(left[direction : 6 * n : 6]) > 0.1 * abs(left[worst])
         names = [f"'{vehicle.bodies[i].name}'" for i in np.flatnonzero(together)]
-        what = f"{'bodies' if names[1:] else 'body'} {', '.join(names)}"
-        what = what if worst < 6 * n else f"axle box '{boxes[worst - 6 * n]}'"
+        label = f"{'bodies' if names[1:] else 'body'} {', '.join(names)}"
+        label = label if worst < 6 * n else f"axle box '{boxes[worst - 6 * n]}'"
         rest = f"{left[worst]:.4g} {'N' if direction < 3 else 'N m'} residual"
-        given = [f"; preload_kN of '{e.name}' is given" for e in vehicle.elements if e.preload is not None][:1]
-        message = f"the preload cannot be found: nothing holds {what} {DIRECTIONS[direction]} ({rest})"
-        raise InputError(message + "".join(given))
+        hint = [f"; preload_kN of '{e.name}' is given" for e in vehicle.elements if e.preload is not None][:1]
+        message = f"the preload cannot be found: nothing holds {label} {DIRECTIONS[direction]} ({rest})"
+        raise InputError(message + "".join(hint))
     loads = []
     for element, (travel, turning) in zip(vehicle.elements, of_bodies, strict=True):
         force = -element.stiffness_at_rest * (travel @ u) if element.preload is None else np.array(element.preload)
@@ -141,17 +141,17 @@ def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[in
         if name not in numbers:
             raise InputError(f"friction '{element.name}': there is no spring '{name}'{suggest(name, list(numbers))}")
         i = numbers[name]
-        other = vehicle.elements[i]
-        pressing = None if other.slider is None else other.slider.normal
+        spring = vehicle.elements[i]
+        pressing = None if spring.slider is None else spring.slider.normal
         if normal.element and pressing is not None and pressing.element:
             raise InputError(f"friction '{element.name}': the friction of '{name}' depends on a load itself")
         axis, sense = int(normal.axis), normal.sense
         if sense is None:
-            at_rest = other.reading_at_rest(preloads[i].force)
-            axis = axis if len(other.directions) > 1 else int(np.argmax(np.abs(at_rest)))
+            at_rest = spring.reading_at_rest(preloads[i].force)
+            axis = axis if len(spring.directions) > 1 else int(np.argmax(np.abs(at_rest)))
             sense = float(np.sign(at_rest[axis]))
             if abs(at_rest[axis]) < LEAST * vehicle.mass * vehicle.gravity:
-                along = "xyz"[axis] if len(other.directions) > 1 else "its direction"
+                along = "xyz"[axis] if len(spring.directions) > 1 else "its direction"
                 message = f"'{name}' carries nothing along {along} at rest"
                 raise InputError(f"friction '{element.name}' has no normal force: {message}")
         x, y, z = element.slider.friction * normal.factor * sense * np.eye(3)[axis]

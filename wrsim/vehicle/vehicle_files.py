@@ -181,17 +181,17 @@ def _check_connected(vehicle: Vehicle) -> None:
     other bodies. Raises InputError."""
     if not vehicle.wheelsets:
         raise InputError("the vehicle has no wheelset: a table [wheelsets.NAME] is needed")
-    for what, named in (("elements", vehicle.elements), ("loads", vehicle.loads)):
+    for kind, named in (("elements", vehicle.elements), ("loads", vehicle.loads)):
         if twice := sorted(repeated(each.name for each in named)):
-            raise InputError(f"duplicate names of {what}; must be different for each: {', '.join(twice)}")
+            raise InputError(f"duplicate names of {kind}; must be different for each: {', '.join(twice)}")
     held = {TRACK, GUIDE, *(mounted.name for mounted in vehicle.wheelsets), *vehicle.boxes}
     joints = [{element.first, element.second} for element in vehicle.elements]
     while more := set().union(*(ends for ends in joints if ends & held)) - held:
         held |= more
     loose = [body.name for body in vehicle.bodies if body.name not in held]
     if loose:
-        which = f"{'body' if len(loose) == 1 else 'bodies'} {', '.join(loose)} hang on nothing"
-        raise InputError(f"{which}: no element joins them to a wheelset, not even by way of other bodies")
+        subject = f"{'body' if len(loose) == 1 else 'bodies'} {', '.join(loose)} hang on nothing"
+        raise InputError(f"{subject}: no element joins them to a wheelset, not even by way of other bodies")
 
 
 def _train(file: TrainFile, finder: Finder, locate: Locate, changes: Mapping[str, Sequence[Change]]) -> Vehicle:
@@ -205,7 +205,7 @@ def _train(file: TrainFile, finder: Finder, locate: Locate, changes: Mapping[str
         if "." in name or name in (TRACK, GUIDE):
             reason = f"'{name}' cannot be the name of a vehicle: a point precedes the names of its bodies"
             raise fault(("vehicles", i, "name"), reason)
-        if name in [other for _, _, other in named[:k]]:
+        if name in [earlier for _, _, earlier in named[:k]]:
             raise fault(("vehicles", i, "name"), f"'{name}' is the name of another vehicle; names need be different")
     gaps = len(named) - 1
     if gaps < 1:

@@ -175,8 +175,8 @@ class BodyTable(Section, header="[bodies.NAME]"):
 
     def consistency(self) -> Iterator[Fault]:
         for i, name in enumerate("xyz"):
-            others = sum(self.inertia_kg_m2) - self.inertia_kg_m2[i]
-            if self.inertia_kg_m2[i] > others * (1.0 + 1e-9):
+            rest = sum(self.inertia_kg_m2) - self.inertia_kg_m2[i]
+            if self.inertia_kg_m2[i] > rest * (1.0 + 1e-9):
                 message = f"the one about {name} is larger than the other two together: no solid has it"
                 yield Fault("inertia_kg_m2", message)
 

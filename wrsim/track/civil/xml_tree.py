@@ -79,9 +79,9 @@ class Element:
         return values
 
 
-def read_xml(path: Path, what: str) -> Element:
+def read_xml(path: Path, label: str) -> Element:
     """The root of an XML file. Raises InputError with file and line."""
-    content = read_bytes(path, what)
+    content = read_bytes(path, label)
     parser = expat.ParserCreate(namespace_separator=" ")
     parser.buffer_text = True
     row, count = [Element(path, "", {}, 0)], 0

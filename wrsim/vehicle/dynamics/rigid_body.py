@@ -134,9 +134,9 @@ def equations_of_motion(q: Array, q_t: Array, inertia: Records, blocks: Array, q
     for i in range(q.shape[0]):
         for k in range(inertia.shape[0]):
             first, about = 6 * k, inertia[k]
-            here, rates = q[i, first : first + 6], q_t[i, first : first + 6]
-            mass_block(here, about.mass, about.xx, about.yy, about.zz, blocks[i, k])
-            quadratic_forces(here, rates, about.xx, about.yy, about.zz, quadratic[i, k])
+            coordinates, rates = q[i, first : first + 6], q_t[i, first : first + 6]
+            mass_block(coordinates, about.mass, about.xx, about.yy, about.zz, blocks[i, k])
+            quadratic_forces(coordinates, rates, about.xx, about.yy, about.zz, quadratic[i, k])
 
 
 @kernel

@@ -51,8 +51,8 @@ ROWS = 7
 
 class Pair(NamedTuple):
     """Two systems of the same layout; numbers: unknowns of a node, elements of a bay. bands (2, n, k +
-    1): mass, damping, stiffness, factors, the band of the inverse; drag (2, n): dampers of the end zones; given (2, n):
-    forces of what moves below; rows (2, ROWS, n); bending (2, elements) [N m2]; shear (1,) [N]."""
+    1): mass, damping, stiffness, factors, the band of the inverse; drag (2, n): dampers of the end zones; forces (2,
+    n): of what moves below; rows (2, ROWS, n); bending (2, elements) [N m2]; shear (1,) [N]."""
 
     numbers: Ints
     mass: Array
@@ -61,7 +61,7 @@ class Pair(NamedTuple):
     factors: Array
     inverse: Array
     drag: Array
-    given: Array
+    forces: Array
     rows: Array
     bending: Array
     shear: Array
@@ -235,11 +235,11 @@ def _node(numbers: Ints, node: int) -> int:
 @kernel
 def _shapes(x: float, length: float, phi: float, value: Array) -> None:
     """Shape functions of an element in bending at the part x of its length."""
-    one = 1.0 / (1.0 + phi)
-    value[0] = one * (1.0 - 3.0 * x * x + 2.0 * x * x * x + phi * (1.0 - x))
-    value[1] = one * length * (x - 2.0 * x * x + x * x * x + 0.5 * phi * (x - x * x))
-    value[2] = one * (3.0 * x * x - 2.0 * x * x * x + phi * x)
-    value[3] = one * length * (x * x * x - x * x - 0.5 * phi * (x - x * x))
+    scale = 1.0 / (1.0 + phi)
+    value[0] = scale * (1.0 - 3.0 * x * x + 2.0 * x * x * x + phi * (1.0 - x))
+    value[1] = scale * length * (x - 2.0 * x * x + x * x * x + 0.5 * phi * (x - x * x))
+    value[2] = scale * (3.0 * x * x - 2.0 * x * x * x + phi * x)
+    value[3] = scale * length * (x * x * x - x * x - 0.5 * phi * (x - x * x))
 
 
 @inlined

@@ -277,6 +277,6 @@ def _predict(method: Array, pair: Pair, r: int) -> None:
         system[P, j] = system[U, j] + h * system[U_T, j] + h * h * ((0.5 - beta) * system[A, j] + beta * a)
         system[P_T, j] = system[U_T, j] + h * ((1.0 - gamma) * system[A, j] + gamma * a)
         system[P_A, j] = a
-        system[U_TT, j] = pair.given[r, j] - drag[j] * system[P_T, j]
+        system[U_TT, j] = pair.forces[r, j] - drag[j] * system[P_T, j]
     subtract_product(pair.damping[r], system[P_T], system[U_TT])
     subtract_product(pair.stiffness[r], system[P], system[U_TT])

@@ -151,10 +151,10 @@ def _residual(rows: Array, inertia: Records, block: Array) -> float:
 
 
 @kernel
-def _turn(rows: Array, which: int, bodies: int, way: float) -> None:
+def _turn(rows: Array, row: int, bodies: int, sign: float) -> None:
     """Turn x and y of every body in a row by what its heading has changed since the inverse was made."""
     for b in range(bodies):
         x, y, angle = 6 * b + X, 6 * b + Y, rows[Q, 6 * b + HEADING] - rows[INVERTED_AT, 6 * b + HEADING]
-        c, s = cos(angle), way * sin(angle)
-        along, across = rows[which, x], rows[which, y]
-        rows[which, x], rows[which, y] = c * along - s * across, s * along + c * across
+        c, s = cos(angle), sign * sin(angle)
+        along, across = rows[row, x], rows[row, y]
+        rows[row, x], rows[row, y] = c * along - s * across, s * along + c * across
