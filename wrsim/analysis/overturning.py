@@ -104,11 +104,11 @@ def rising_speeds(setup: Setup[OverturningPlan], wind: float) -> list[Rest]:
         loaded = at_speed(setup, vehicle, speed, wind)
         try:
             if last is None:
-                state, here = rest_from_design(loaded, level)
+                state, support = rest_from_design(loaded, level)
             else:
-                here = SupportedVehicle(loaded)
-                here.go_on_from(last)
-                state = here.rest(level)
+                support = SupportedVehicle(loaded)
+                support.go_on_from(last)
+                state = support.rest(level)
         except SimulationError:
             if not rests:
                 why = f"with a wind of {wind:g} m/s " if wind else ""
@@ -120,7 +120,7 @@ def rising_speeds(setup: Setup[OverturningPlan], wind: float) -> list[Rest]:
             continue
         left_over = float((state.wheel_loads.sum(axis=0) / before.sum(axis=0)).min())
         rests.append(Rest(speed, wind, 1.0 - state.wheel_loads / before, state.moved[:, 2], left_over))
-        last = here
+        last = support
         if speed >= plan.highest:
             return rests
         speed = min(speed + step, plan.highest)

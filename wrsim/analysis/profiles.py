@@ -117,7 +117,7 @@ def _apart(name: str, names: Sequence[str], measures: Sequence[float], head: Map
     """A note where measures [m] differ from those in the head of the file [mm]."""
     pairs = [(key, 1e3 * value, head[key]) for key, value in zip(names, measures, strict=False) if key in head]
     differences = [
-        f"{key} {value:.2f}, in its head {there:.2f}" for key, value, there in pairs if abs(value - there) > HEADS_APART
+        f"{key} {value:.2f}, in its head {noted:.2f}" for key, value, noted in pairs if abs(value - noted) > HEADS_APART
     ]
     return [f"{name}: {'; '.join(differences)} mm"] if differences else []
 

@@ -155,8 +155,8 @@ def _kept_moments(dataset: xr.Dataset, setup: Setup, moments: Sequence[int] | No
         raise InputError("the result keeps no moments whose contacts could be solved again; run its scenario anew")
     names, label = [m.name for m in setup.vehicle.wheelsets], str(dataset["wheelset"].item())
     mounted = setup.vehicle.wheelsets[names.index(label) if label in names else 0].wheelset
-    both = {wheel.name: wheel for wheel in wheels_on_rails(setup, mounted)}
-    wheels = [both[str(side)] for side in dataset["wheel"].values]
+    pair = {wheel.name: wheel for wheel in wheels_on_rails(setup, mounted)}
+    wheels = [pair[str(side)] for side in dataset["wheel"].values]
     poses = np.concatenate([dataset[channel].values for channel in POSE_CHANNELS], axis=-1)
     chosen = list(range(len(poses))) if moments is None else list(moments)
     samples = np.array([sample_of(dataset, m) for m in chosen], dtype=np.intp)

@@ -240,9 +240,9 @@ def stretch_of(dataset: xr.Dataset, section: StretchTable) -> xr.Dataset:
     high = inf if section.to_m is None else section.to_m
     inside = (distance >= low - 1e-6) & (distance <= high + 1e-6)
     if not inside.any():
-        given = ", ".join(f"{key} = {end:g}" for key, end in (("from_m", low), ("to_m", high)) if abs(end) < inf)
+        limits = ", ".join(f"{key} = {end:g}" for key, end in (("from_m", low), ("to_m", high)) if abs(end) < inf)
         raise InputError(
-            f"{given}: the run has no samples there; it goes from {distance[0]:z.2f} to {distance[-1]:z.2f} m"
+            f"{limits}: the run has no samples there; it goes from {distance[0]:z.2f} to {distance[-1]:z.2f} m"
         )
     return dataset.isel(time=np.flatnonzero(inside))
 

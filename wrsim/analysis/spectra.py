@@ -34,8 +34,8 @@ def evaluate_spectra(
     that cannot be, and for too few or unevenly spaced samples.
     """
     if derivative not in range(len(ORDERS)) or not (resolution > 0.0 and piece > 0.0):
-        given = f"derivative = {derivative}, resolution_Hz = {resolution:g}, piece_m = {piece:g}"
-        raise InputError(f"{given}: derivative must be 0, 1 or 2, the others above 0")
+        settings = f"derivative = {derivative}, resolution_Hz = {resolution:g}, piece_m = {piece:g}"
+        raise InputError(f"{settings}: derivative must be 0, 1 or 2, the others above 0")
     dataset = result.dataset
     fast = [str(n).removeprefix("fast_") for n in dataset.data_vars if str(n).startswith("fast_")]
     names = [str(n) for n, variable in dataset.data_vars.items() if variable.dims[:1] == ("time",)]

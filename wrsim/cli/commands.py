@@ -34,62 +34,62 @@ STEP_MS = inspect.Parameter(
 )
 
 
-def _one_folder(given: Given) -> Given:
-    if len(given["results"]) > 1 and "output" not in given:
+def _one_folder(values: Given) -> Given:
+    if len(values["results"]) > 1 and "output" not in values:
         raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
     return {}
 
 
-def _columns(given: Given) -> Given:
+def _columns(values: Given) -> Given:
     from wrsim.api.data import columns_of
 
-    return {"columns": columns_of(given["file"], given.get("columns"))}
+    return {"columns": columns_of(values["file"], values.get("columns"))}
 
 
-def _step(given: Given) -> Given:
-    return {"step": 1e-3 * given["step_ms"]} if "step_ms" in given else {}
+def _step(values: Given) -> Given:
+    return {"step": 1e-3 * values["step_ms"]} if "step_ms" in values else {}
 
 
-def _mute_log(given: Given) -> Given:
-    if given["quiet"]:
+def _mute_log(values: Given) -> Given:
+    if values["quiet"]:
         logging.getLogger("wrsim").setLevel(logging.ERROR)
     return {}
 
 
-def _show_folder(outcome: Outcome, given: Given, removed: int = 0) -> None:
+def _show_folder(outcome: Outcome, values: Given, removed: int = 0) -> None:
     """Tables, and where the files are."""
-    if not given["quiet"]:
+    if not values["quiet"]:
         console.print_numbers(False, {}, outcome.tables)
         console.print_lines(*outcome.shown_lines)
         console.print_files(len(outcome.files), outcome.folder, removed)
 
 
-def _show_run(outcome: Outcome, given: Given) -> None:
+def _show_run(outcome: Outcome, values: Given) -> None:
     """The result, why a run stopped and how it goes on."""
     folder = outcome.folder
-    if given["as_json"]:
+    if values["as_json"]:
         console.print_json(outcome.numbers)
     elif not outcome.files:
         console.print_error(*outcome.lines)
     else:
-        _show_folder(outcome, given, len(outcome["removed"]))
+        _show_folder(outcome, values, len(outcome["removed"]))
         if outcome.code:
-            console.print_error(f"{given['file']}: stopped: {outcome.value.result.stop_reason}")
-        if outcome.code and not given["quiet"]:
+            console.print_error(f"{values['file']}: stopped: {outcome.value.result.stop_reason}")
+        if outcome.code and not values["quiet"]:
             console.print_error(f"what was computed is in {folder}; draw it with: wrsim plot {folder}")
             if outcome.value.can_go_on:
                 console.print_error("go on with the same command and --resume")
 
 
-def _show_study(outcome: Outcome, given: Given) -> None:
+def _show_study(outcome: Outcome, values: Given) -> None:
     """The cases of a dry run with their time; or the outputs, and what went wrong."""
-    if given["dry_run"]:
-        console.print_numbers(given["as_json"], outcome.numbers, outcome.tables)
-    elif given["as_json"]:
+    if values["dry_run"]:
+        console.print_numbers(values["as_json"], outcome.numbers, outcome.tables)
+    elif values["as_json"]:
         console.print_json(outcome.numbers | {"files": [str(f) for f in outcome.files]})
     else:
-        _show_folder(outcome, given)
-        for message in outcome.value(given["quiet"]):
+        _show_folder(outcome, values)
+        for message in outcome.value(values["quiet"]):
             console.print_error(message)
 
 
@@ -101,9 +101,9 @@ def warm(quiet: Annotated[bool, typer.Option("--quiet", "-q", help=QUIET)] = Fal
             console.print_lines(message)
 
 
-def _command(function: str, *given: Any, **options: Any) -> Callable[[], Callable[..., None]]:
+def _command(function: str, *arguments: Any, **options: Any) -> Callable[[], Callable[..., None]]:
     """What makes the command of a function of the API, which it imports."""
-    return lambda: command(resolve_name(f"wrsim.api.{function}"), *given, **options)
+    return lambda: command(resolve_name(f"wrsim.api.{function}"), *arguments, **options)
 
 
 PANELS: dict[str, dict[str, Callable[[], Callable[..., None]]]] = {

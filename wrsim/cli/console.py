@@ -37,15 +37,15 @@ def print_numbers(as_json: bool, numbers: dict[str, Any], tables: Iterable[Table
     on_terminal(tables)
 
 
-def print_outcome(outcome: Outcome, given: Mapping[str, Any]) -> None:
+def print_outcome(outcome: Outcome, values: Mapping[str, Any]) -> None:
     """Numbers with the names of files as JSON; or tables, the files (how many in a folder, or each) and lines.
 
     given: options of the command; without --force it writes no files.
     """
-    as_json, numbers = given["as_json"], outcome.numbers
-    if given.get("quiet") and not as_json:
+    as_json, numbers = values["as_json"], outcome.numbers
+    if values.get("quiet") and not as_json:
         return
-    if "force" in given:
+    if "force" in values:
         numbers = numbers | {"files": [str(f) for f in outcome.files]}
     print_numbers(as_json, numbers, outcome.tables)
     if not as_json:

@@ -45,7 +45,7 @@ ENDINGS = {
 
 def command(
     api: Callable[..., Outcome],
-    complete: Callable[[Given], Given] = lambda given: {},
+    complete: Callable[[Given], Given] = lambda values: {},
     show: Callable[[Outcome, Given], None] = print_outcome,
     *,
     draws: Sequence[str] = (),
@@ -69,27 +69,27 @@ def command(
     names = {_name(each): each.name for each in taken}
 
     def run(**options: Any) -> None:
-        given: Given = {names[name]: value for name, value in options.items() if value is not None}
-        as_json, quiet = given.get("as_json", False), given.get("quiet", False)
+        values: Given = {names[name]: value for name, value in options.items() if value is not None}
+        as_json, quiet = values.get("as_json", False), values.get("quiet", False)
         with ExitStack() as stack:
             stack.enter_context(reporting_errors(as_json))
-            stack.enter_context(in_units(given.get("units")))
-            if looks := {name: given[name] for name in draws if name in given}:
+            stack.enter_context(in_units(values.get("units")))
+            if looks := {name: values[name] for name in draws if name in values}:
                 stack.enter_context(wrsim.look(**looks))
-            given |= complete(given)
+            values |= complete(values)
             for each in taken:
-                _place(each, given, given.get(first))
-            if "force" in given:
-                results = _paths(given.get(source))
-                read = [path for name in reads.split() for path in _paths(given.get(name))]
+                _place(each, values, values.get(first))
+            if "force" in values:
+                results = _paths(values.get(source))
+                read = [path for name in reads.split() for path in _paths(values.get(name))]
                 result = results[0] if results else None
-                stack.enter_context(writing_files(as_json, given["force"], *results[1:], *read, of=result))
+                stack.enter_context(writing_files(as_json, values["force"], *results[1:], *read, of=result))
             muted = silent if quiet and "workers" not in parameters else print_error
             prints = {"warn": muted, **progress_of(quiet or as_json)}
-            outcome = api(**{name: value for name, value in (prints | given).items() if name in parameters})
+            outcome = api(**{name: value for name, value in (prints | values).items() if name in parameters})
             for message in [] if as_json else outcome.numbers.get("warnings", ()):
-                print_error(f"{given[first]}: warning: {message}")
-            show(outcome, given)
+                print_error(f"{values[first]}: warning: {message}")
+            show(outcome, values)
             if outcome.code:
                 raise typer.Exit(outcome.code)
 
@@ -142,19 +142,19 @@ def _read(kind: Any) -> Any:
     return kind
 
 
-def _paths(given: Any) -> list[Path]:
-    return [] if given is None else list(map(Path, given)) if isinstance(given, list) else [Path(given)]
+def _paths(value: Any) -> list[Path]:
+    return [] if value is None else list(map(Path, value)) if isinstance(value, list) else [Path(value)]
 
 
-def _place(parameter: inspect.Parameter, given: Given, first: Any) -> None:
+def _place(parameter: inspect.Parameter, values: Given, first: Any) -> None:
     """Where to write, of the name of the first argument unless it is given. Raises InputError for a wrong ending."""
     option = get_args(parameter.annotation)[1]
-    if option.default and parameter.name not in given:
+    if option.default and parameter.name not in values:
         beside = _paths(first)[0]
         stem = Path(abspath(beside)).stem
         is_beside = option.default == BESIDE
-        given[parameter.name] = folder_beside(beside) if is_beside else Path(option.default.replace("<FILE>", stem))
-    endings, path = ENDINGS.get(option.metavar or ""), given.get(parameter.name)
+        values[parameter.name] = folder_beside(beside) if is_beside else Path(option.default.replace("<FILE>", stem))
+    endings, path = ENDINGS.get(option.metavar or ""), values.get(parameter.name)
     if endings and path is not None and path.suffix.lower() not in endings:
         flag = "-o" if _name(parameter) == "output" else f"--{parameter.name}"
         raise InputError(f"{flag} {path}: must end in {' or '.join(endings)}")

@@ -78,9 +78,9 @@ class WatchedWheel:
             rooms += [(patches[arc] + patches["start"]).min(), profile.length - (patches[arc] + patches["end"]).max()]
         return int(np.argmin(rooms))
 
-    def end_of_profile(self, which: int) -> tuple[str, str, float]:
+    def end_of_profile(self, end: int) -> tuple[str, str, float]:
         """Name, side and outward coordinate [m] of an end in that order."""
-        profile, outer = (self.model.rail, self.model.wheel)[which // 2], which % 2
+        profile, outer = (self.model.rail, self.model.wheel)[end // 2], end % 2
         return profile.name, ("inner", "outer")[outer], float(profile.at(profile.length * outer)[0])
 
     @property
@@ -207,7 +207,7 @@ def check_upright(force: QuasiStaticForce, base: float, curvature: float, vehicl
     side = "left" if force.point > 0.0 else "right"
     if curvature != 0.0:
         side = "inner" if force.point * curvature > 0.0 else "outer"
-    what = "weight, centrifugal force and loads" if vehicle.loads else "weight and centrifugal force"
+    causes = "weight, centrifugal force and loads" if vehicle.loads else "weight and centrifugal force"
     far = f"{1e3 * beyond:.0f} mm" if np.isfinite(beyond) else "far"
-    message = f"the vehicle would overturn: its {what} together point {far} beyond the {side} rail"
+    message = f"the vehicle would overturn: its {causes} together point {far} beyond the {side} rail"
     raise NoSteadyMotion(Derailment("overturned", message))

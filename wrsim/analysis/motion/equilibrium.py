@@ -117,8 +117,8 @@ def _seat(setup: Setup[RunPlan], i: int) -> Array:
     alone = single_wheelset(mounted.wheelset, carried_mass=share, carried_height=height)
     share_of_loads = _share_of_loads(vehicle, run.start, mounted.x, alone.names[0])
     alone = replace(alone, loads=share_of_loads, gravity=vehicle.gravity)
-    there = replace(setup, vehicle=alone, plan=replace(run, start=run.start + mounted.x))
-    return _wheelset_at_rest(there, force_law(there, drive="train"), ENOUGH).q[:6]
+    single = replace(setup, vehicle=alone, plan=replace(run, start=run.start + mounted.x))
+    return _wheelset_at_rest(single, force_law(single, drive="train"), ENOUGH).q[:6]
 
 
 def _share_of_loads(vehicle: Vehicle, distance: float, x: float, wheelset: str) -> tuple[Load, ...]:

@@ -87,9 +87,9 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
         lasted += f" in all within {whole[0]:.2f} m"
     wheel = wheel_words(event.side, event.part, vehicle)
     if event.kind == "contact":
-        which = "" if event.profile is None else f": {end_words(*event.profile)}"
-        which += " (in all {} evaluations in {} steps)".format(*event.unsolved) if event.unsolved[1] else ""
-        return f"{wheel}: {WORDS[event.bit]}" + ("" if event.end == event.start else f", {lasted}") + which
+        detail = "" if event.profile is None else f": {end_words(*event.profile)}"
+        detail += " (in all {} evaluations in {} steps)".format(*event.unsolved) if event.unsolved[1] else ""
+        return f"{wheel}: {WORDS[event.bit]}" + ("" if event.end == event.start else f", {lasted}") + detail
     if event.kind == "between":
         force, beyond = (1e-3 * value for value in event.missed)
         return (
@@ -105,9 +105,9 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     if event.kind == "swings":
         grows, cycle = event.swing
         frequencies = f"at {cycle:.0f} Hz (it grows at {grows:.0f} Hz)" if cycle else f"at {grows:.0f} Hz"
-        which = f"wheelset {event.part}" if len(vehicle.wheelsets) > 1 else "the wheelset"
+        subject = f"wheelset {event.part}" if len(vehicle.wheelsets) > 1 else "the wheelset"
         return (
-            f"{which} excites itself on its contacts {frequencies}: Y and Q from there on are those of this "
+            f"{subject} excites itself on its contacts {frequencies}: Y and Q from there on are those of this "
             f'oscillation, in steps of {1e3 * event.step:.2g} ms; damped rails, [track.structure] kind = "moving mass",'
             " or a larger contact.damping_s_per_m end it"
         )

@@ -204,8 +204,8 @@ class Monitor:
         """How the vehicle has derailed at a wheel, if it has. Notes a lifted wheel."""
         off = wheel.off_the_rail()
         if off is not None:
-            kind, which, end_of_profile = self.notes[:, :3].T
-            at_end = self.notes[(kind == STATUS_PROFILE_END) & (which == i) & (end_of_profile >= 0)]
+            kind, wheel_index, end_of_profile = self.notes[:, :3].T
+            at_end = self.notes[(kind == STATUS_PROFILE_END) & (wheel_index == i) & (end_of_profile >= 0)]
             if at_end.size and distance - at_end[-1, 6] <= LIFT_DISTANCE and (end := _end(wheel, at_end[-1, 2])):
                 return replace(off, message=f"{off.message}; its contact has passed {end_words(*end)}")
             return off
@@ -219,39 +219,39 @@ class Monitor:
             return Derailment("derailed", f"{wheel.label} has had no contact with its rail for {way:.2f} m")
         return None
 
-    def _note(self, kind: float, which: int, t: float, distance: float, end: int = -1) -> None:
+    def _note(self, kind: float, index: int, t: float, distance: float, end: int = -1) -> None:
         """Begin an event, or let the last one of its kind and place go on."""
-        same = self._same(kind, which, end)
+        same = self._same(kind, index, end)
         if same >= 0 and abs(distance - self.notes[same, 6]) <= SAME:
             self.notes[same, 5:7] = t, distance
         else:
-            self.notes = np.vstack([self.notes, [kind, which, end, t, distance, t, distance, 0.0, 0.0]])
+            self.notes = np.vstack([self.notes, [kind, index, end, t, distance, t, distance, 0.0, 0.0]])
 
-    def _same(self, kind: float, which: int, end: int) -> int:
+    def _same(self, kind: float, index: int, end: int) -> int:
         """The last note of this kind and place; -1 where there is none."""
-        same = np.flatnonzero((self.notes[:, :3] == (kind, which, end)).all(axis=1))
+        same = np.flatnonzero((self.notes[:, :3] == (kind, index, end)).all(axis=1))
         return int(same[-1]) if same.size else -1
 
     def events(self) -> list[Event]:
         """Everything noted, in the order of its begin."""
         events = []
-        for kind, which, at_end, t, distance, last_t, last_distance, *off in self.notes.tolist():
+        for kind, index, at_end, t, distance, last_t, last_distance, *off in self.notes.tolist():
             name, part, side = KINDS.get(kind, "contact"), "", ""
             if kind in (SPINS, SLIDES):
                 if last_distance - distance <= SLIP_DISTANCE:
                     continue
-                part = self.law.vehicle.wheelsets[int(which)].name
+                part = self.law.vehicle.wheelsets[int(index)].name
             elif kind == SWINGS and self._growth.finds < 2.0:  # the blow of an impact, that has died away
                 continue
             elif kind in (STOP, LOOSE):
-                part = self.law.vehicle.elements[int(which)].name
+                part = self.law.vehicle.elements[int(index)].name
             elif kind != STEPS:
-                part, side = self.wheels[int(which)].wheelset, self.wheels[int(which)].side
+                part, side = self.wheels[int(index)].wheelset, self.wheels[int(index)].side
             bit = int(kind) if name == "contact" else 0
-            end = _end(self.wheels[int(which)], at_end) if bit == STATUS_PROFILE_END else None
+            end = _end(self.wheels[int(index)], at_end) if bit == STATUS_PROFILE_END else None
             events.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit, profile=end))
             if bit == STATUS_NOT_CONVERGED:
-                watch = self.watched[int(which)]
+                watch = self.watched[int(index)]
                 events[-1] = replace(events[-1], unsolved=(int(watch.substitutes), int(watch.steps)))
             if kind == LIFT:
                 events[-1] = replace(events[-1], lasted=(off[1], off[0]))
@@ -281,8 +281,8 @@ class Monitor:
     def statuses(self) -> NDArray[np.int_]:
         """Messages of the contact of every wheel since the beginning, as one status each."""
         statuses = np.zeros(len(self.wheels), dtype=int)
-        for kind, which in self.notes[self.notes[:, 0] > LIFT, :2].astype(int):
-            statuses[which] |= kind
+        for kind, index in self.notes[self.notes[:, 0] > LIFT, :2].astype(int):
+            statuses[index] |= kind
         return statuses
 
     def get_state(self) -> Array:
@@ -304,6 +304,6 @@ class Monitor:
             raise ValueError("events of a wheel or an element that is not there")
 
 
-def _end(wheel: WatchedWheel, which: float) -> tuple[str, str, float] | None:
+def _end(wheel: WatchedWheel, index: float) -> tuple[str, str, float] | None:
     """The end of a profile that a note is about; None where it has none."""
-    return wheel.end_of_profile(int(which)) if which >= 0 else None
+    return wheel.end_of_profile(int(index)) if index >= 0 else None

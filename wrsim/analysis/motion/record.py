@@ -60,35 +60,35 @@ class RunRecord:
         return Recorder.create(self.path, self.header | of_run, size)
 
 
-def _same_run(path: Path, now: dict[str, Any]) -> None:
+def _same_run(path: Path, header: dict[str, Any]) -> None:
     """Raise ``InputError`` when a file holds a run that would not go on with the same numbers."""
-    then = run_header(path)
+    stored = run_header(path)
     again = "run it without --resume to start from the beginning"
-    texts = (parse_toml(of["scenario_text"], f"{path}: its scenario") for of in (then, now))
+    texts = (parse_toml(of["scenario_text"], f"{path}: its scenario") for of in (stored, header))
     before, after = (dict(leaves(text)) for text in texts)
     for key in [*before, *after]:
         if before.get(key) != after.get(key):
-            was, here = ("missing" if v is None else repr(v) for v in (before.get(key), after.get(key)))
-            raise InputError(f"{path}: is the run of another scenario: {key} was {was}, here it is {here}; {again}")
+            old, new = ("missing" if v is None else repr(v) for v in (before.get(key), after.get(key)))
+            raise InputError(f"{path}: is the run of another scenario: {key} was {old}, here it is {new}; {again}")
     for name in ("wrsim", "python", "numpy", "numba", "exudyn", "scipy"):
-        a, b = then.get(f"{name}_version"), now[f"{name}_version"]
+        a, b = stored.get(f"{name}_version"), header[f"{name}_version"]
         if a != b:
             raise InputError(f"{path}: was computed with {name} {a}, this is {b}: the numbers would differ; {again}")
-    if then["code"] != now["code"]:
+    if stored["code"] != header["code"]:
         raise InputError(f"{path}: was computed by another state of wrsim's code: the numbers may differ; {again}")
-    _same_models(path, then, now, again)
+    _same_models(path, stored, header, again)
 
 
-def _same_models(path: Path, then: dict[str, Any], now: dict[str, Any], again: str) -> None:
+def _same_models(path: Path, stored: dict[str, Any], header: dict[str, Any], again: str) -> None:
     """Raise ``InputError`` when a file that shapes the run is not what it was.
 
     Other code may read the same files into other numbers: then the files themselves have to do.
     """
-    changed = [file for file, digest in now["files"].items() if then["files"].get(file, digest) != digest]
-    if not changed and (then["numbers"] == now["numbers"] or then["code"] != now["code"]):
+    changed = [file for file, digest in header["files"].items() if stored["files"].get(file, digest) != digest]
+    if not changed and (stored["numbers"] == header["numbers"] or stored["code"] != header["code"]):
         return
-    what = f"{changed[0]} has" if len(changed) == 1 else "files that the scenario names have"
-    raise InputError(f"{path}: {what} changed since the run began; {again}")
+    subject = f"{changed[0]} has" if len(changed) == 1 else "files that the scenario names have"
+    raise InputError(f"{path}: {subject} changed since the run began; {again}")
 
 
 def recorded_setup(path: Path) -> Setup:

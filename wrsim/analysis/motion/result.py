@@ -106,9 +106,9 @@ def result_of(
 
 def _each(motion: Motion, interval: float, last: bool = False) -> Motion:
     """The states of a motion at whole multiples of an interval [s]; with the last one, wherever it is."""
-    there = np.rint(motion.times / motion.step) % round(interval / motion.step) == 0.0
-    there[-1] |= last
-    rows: Any = np.flatnonzero(there)
+    mask = np.rint(motion.times / motion.step) % round(interval / motion.step) == 0.0
+    mask[-1] |= last
+    rows: Any = np.flatnonzero(mask)
     if len(rows) == rows[-1] + 1:
         rows = slice(len(rows))  # no copy: many are on disk
     return replace(motion, times=motion.times[rows], q=motion.q[rows], q_t=motion.q_t[rows])

@@ -103,14 +103,14 @@ def _come_along(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float) -> 
     """The motion that a vehicle has come to along its track from a straight place [m]. Raises NoSteadyMotion where it
     does not arrive."""
     plan = replace(setup.plan, start=straight, end=setup.plan.start, profile=None)
-    there = replace(setup, vehicle=setup.vehicle.loaded_as_at(setup.plan.start), plan=plan)
-    run = force_law(there, drive=held_by(there))
+    approach = replace(setup, vehicle=setup.vehicle.loaded_as_at(setup.plan.start), plan=plan)
+    run = force_law(approach, drive=held_by(approach))
     motion = Integration(
         BodySystem(run.bodies, run), duration=plan.duration, step=implicit_step(plan.speed, SAMPLES),
-        weight=there.vehicle.weight, sample_interval=SAMPLES, progress=lambda part, _: LOGGER.info(
+        weight=approach.vehicle.weight, sample_interval=SAMPLES, progress=lambda part, _: LOGGER.info(
             "steady motion at the start: runs in, %.0f of %.0f m", part * (plan.end - plan.start), plan.end - plan.start
         ),
-    ).run(*start_state(there, run))  # fmt: skip
+    ).run(*start_state(approach, run))  # fmt: skip
     if motion.status != "completed":
         raise NoSteadyMotion(SimulationError(f"the run into the curve stopped: {motion.reason}"))
     # it ends some millimetres off the start: moved there as a whole, the vehicle would not suit the changing track

@@ -42,8 +42,8 @@ MOST_POSES = 1_000_000  # in a table
 def run_static(setup: Setup[StaticPlan], progress: Progress | None = None) -> Result:
     """Solve every pose of the plan. Poses without a solution carry a message; Ctrl-C keeps those already solved."""
     plan = setup.plan
-    both = wheels_on_rails(setup)
-    wheels = both if plan.target == "wheelset" else tuple(w for w in both if w.name == plan.side)
+    pair = wheels_on_rails(setup)
+    wheels = pair if plan.target == "wheelset" else tuple(w for w in pair if w.name == plan.side)
     wheelset = setup.wheelset
     radius = wheelset.mean_radius if len(wheels) == 2 else getattr(wheelset, plan.side).radius
     return _solved(wheels, plan.poses, plan.rolling, radius, setup.attributes(), progress)
@@ -213,10 +213,10 @@ def _turned_message(
             continue
         j = int(angle[i].argmax())
         arrays, p0 = solver.holders[j].model.arrays, float(np.nanmax(channels["p0"][i, j]))
-        other = float(arrays.patches[: arrays.total.lobes]["p0"].max())
+        corrected = float(arrays.patches[: arrays.total.lobes]["p0"].max())
         sentences[i] = (
             f"normals turn by {np.degrees(angle[i, j]):.3g} degrees over a patch of the {wheels[j].name} wheel, which "
-            f"the influence of pressures leaves out: p0 = {p0 / 1e6:.4g} MPa, and {other / 1e6:.4g} MPa with "
+            f"the influence of pressures leaves out: p0 = {p0 / 1e6:.4g} MPa, and {corrected / 1e6:.4g} MPa with "
             'contact.half_space.influence = "angle-corrected"'
         )
     return sentences
@@ -295,11 +295,11 @@ def contact_map(
 
 def _map_axes(*values: ArrayLike) -> dict[str, Array]:
     """Values of every axis of a map. Raises InputError for what is no list of finite numbers, and for too many."""
-    axes = {name: np.atleast_1d(np.asarray(given, dtype=float)) for name, given in zip(AXES, values, strict=True)}
-    for name, given in axes.items():
-        if given.ndim != 1 or not given.size or not np.isfinite(given).all():
+    axes = {name: np.atleast_1d(np.asarray(axis, dtype=float)) for name, axis in zip(AXES, values, strict=True)}
+    for name, axis in axes.items():
+        if axis.ndim != 1 or not axis.size or not np.isfinite(axis).all():
             raise InputError(f"{name}s: must be a number or a list of numbers, all finite")
-    count = np.prod([given.size for given in axes.values()])
+    count = np.prod([axis.size for axis in axes.values()])
     if count > MOST_POSES:
         raise InputError(f"{count} combinations of shifts, yaws, rolls and loads; allowed: {MOST_POSES}")
     return axes

@@ -132,9 +132,9 @@ class SupportedVehicle(SteadyMotion):
         self._design = supports[w:, [Y, Z, ROLL]].copy()
         supports[:w, Z] = self._radius - 0.5 * vehicle.weight / w / SUPPORT
 
-    def go_on_from(self, other: SupportedVehicle) -> None:
+    def go_on_from(self, previous: SupportedVehicle) -> None:
         """Look for the next rest from that of the same vehicle under other loads."""
-        self._x[:], self.slips = other._x, other.slips.copy()
+        self._x[:], self.slips = previous._x, previous.slips.copy()
 
     @property
     def _supported(self) -> Array:
