@@ -158,7 +158,7 @@ class StripRecorder:
         for i, name in enumerate(("wheel_profile_y", "wheel_profile_z", "rail_profile_y", "rail_profile_z")):
             result[name] = np.stack([m.outlines[:, i] for m in self.moments])
         poses = np.stack([m.poses for m in self.moments])
-        result |= {name: poses[..., at : at + 3] for name, at in POSE_CHANNELS.items()}
+        result |= {name: poses[..., start : start + 3] for name, start in POSE_CHANNELS.items()}
         return result | self._elements(table.shape)
 
     def _elements(self, shape: tuple[int, ...]) -> dict[str, Array]:

@@ -69,8 +69,8 @@ def build_strips(
     # the main point lies within its strip: its coordinates follow along the strip's tangent
     main = min(max(int(-lobe.start / (lobe.width / n)), 0), n - 1)
     strip = strips[main]
-    other = strips[main - 1] if main > 0 else strips[main + 1]
-    lobe.x = strip.x - strip.s * (strip.x - other.x) / (strip.s - other.s)
+    neighbour = strips[main - 1] if main > 0 else strips[main + 1]
+    lobe.x = strip.x - strip.s * (strip.x - neighbour.x) / (strip.s - neighbour.s)
     lobe.o = strip.o - strip.s * strip.nb
     lobe.b = strip.b + strip.s * strip.no
 
@@ -96,11 +96,11 @@ def press_lobes(model: Record, pose: WheelPose, lobes: Records, strips: Records,
             break
         share = lobe.coupling
         for j in range(count):
-            other = lobes[j]
-            if j != i and other.n_strips > 0:
-                facing = lobe.no * other.no + lobe.nb * other.nb
+            source = lobes[j]
+            if j != i and source.n_strips > 0:
+                facing = lobe.no * source.no + lobe.nb * source.nb
                 if facing > 0.0:
-                    far = far_influence(strips[j], other.n_strips, lobe.o, lobe.b)
+                    far = far_influence(strips[j], source.n_strips, lobe.o, lobe.b)
                     matrix[i, j] = (1.0 - share) * facing * far
         matrix[i, i] = influence
         matrix[i, count] = (1.0 - share) * stiffness * lobe.approach

@@ -242,10 +242,10 @@ class ContactModel:
     def with_tractions(self) -> "ContactModel":
         """The same with tractions in the cells of its strips, solved at the pose set in its arrays."""
         compile_stages(k.CONTACT, self.normal.kernel)
-        other = self.within(pack(_inputs(self, 3)))
-        other.arrays.rows.call[:], other.arrays.pose[:] = self.arrays.rows.call, self.arrays.pose
-        other.solve()
-        return other
+        solved = self.within(pack(_inputs(self, 3)))
+        solved.arrays.rows.call[:], solved.arrays.pose[:] = self.arrays.rows.call, self.arrays.pose
+        solved.solve()
+        return solved
 
     def tractions_in_cells(self, lobe: int) -> Array | None:
         """Tractions on the wheel along x and across in the cells of strips, (2, strips, cells) by rising x [Pa]; None
@@ -266,8 +266,8 @@ class ContactModel:
     @property
     def friction_here(self) -> Friction:
         """The law of friction at the place set in the arrays."""
-        here = self.friction
-        return here if isinstance(here, Friction) else here.at(self.arrays.inputs.place + self.arrays.pose[0])
+        law = self.friction
+        return law if isinstance(law, Friction) else law.at(self.arrays.inputs.place + self.arrays.pose[0])
 
     def solve(self) -> int:
         """Contact at the pose set in the arrays, written into them; returns the status."""

@@ -23,27 +23,27 @@ def _frame(row: Record) -> Frame:
 
 
 @inlined
-def _on_wheel(at: Frame, penetration: float) -> Vec:
+def _on_wheel(frame: Frame, penetration: float) -> Vec:
     """The place of a strip or a lobe on the wheel's undeformed surface: half the penetration below its centre. Bodies
     of one material stretch alike where they touch, so a wheel rolls freely on its undeformed radius. CONTACT takes
     creepages there, too."""
-    return shifted(at.origin, -0.5 * penetration, at.b)
+    return shifted(frame.origin, -0.5 * penetration, frame.b)
 
 
 @inlined
 def _set_creepages(row: Record, penetration: float, pose: WheelPose, inverse: float, roller: float) -> float:
     """Write xi, eta, phi of a strip or a lobe; returns the velocity along its normal."""
-    at = _frame(row)
-    velocity = add(pose.velocity, cross(pose.omega, sub(_on_wheel(at, penetration), pose.origin)))
+    frame = _frame(row)
+    velocity = add(pose.velocity, cross(pose.omega, sub(_on_wheel(frame, penetration), pose.origin)))
     omega, rate = pose.omega, roller * pose.velocity.x
     if rate != 0.0:
         omega = Vec(omega.x, omega.y + rate, omega.z)
-        place = _on_wheel(at, -penetration)  # on the undeformed roller
+        place = _on_wheel(frame, -penetration)  # on the undeformed roller
         velocity = add(velocity, Vec(rate * place.z, 0.0, -rate * place.x))
-    row.xi = dot(velocity, at.t) * inverse
-    row.eta = dot(velocity, at.n) * inverse
-    row.phi = dot(omega, at.b) * inverse
-    return dot(velocity, at.b)
+    row.xi = dot(velocity, frame.t) * inverse
+    row.eta = dot(velocity, frame.n) * inverse
+    row.phi = dot(omega, frame.b) * inverse
+    return dot(velocity, frame.b)
 
 
 @kernel

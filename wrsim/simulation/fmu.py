@@ -146,8 +146,8 @@ def _variables(bench: Stepper) -> list[dict[str, str]]:
         meaning = re.sub("_(left|right)$", "", word)
         side = word.removeprefix(meaning).strip("_")
         row["description"] = MEANINGS[meaning] + (f" ({side} wheel)" if side else "")
-        given = number <= len(bench.inputs)
-        rows.append(row | ({"causality": "input", "start": repr(float(view[0]))} if given else {"causality": "output"}))
+        is_in = number <= len(bench.inputs)
+        rows.append(row | ({"causality": "input", "start": repr(float(view[0]))} if is_in else {"causality": "output"}))
     return rows
 
 

@@ -243,8 +243,8 @@ class Integration:
             whole = False
             self._stop("interrupt", f"interrupted by the user at t = {self._time(self._last):.6g} s")
         except NotFinite as error:
-            what = _name(error.index, self.system)
-            self._stop("not-finite", f"the force along {what} is not a number at t = {error.time:.6g} s")
+            coordinate = _name(error.index, self.system)
+            self._stop("not-finite", f"the force along {coordinate} is not a number at t = {error.time:.6g} s")
         except SimulationError as error:
             self._stop("forces", str(error))
         if self.progress is not None and not self._ending.cause:

@@ -151,23 +151,23 @@ def roots(
     function jumps over 0, at the jump.
     """
     x, f = begin.copy(), function(begin)
-    other, of_other = x.copy(), f.copy()
+    bracket, f_bracket = x.copy(), f.copy()
     step = small * np.sign(f)
     for _ in range(40):
         far = ~(np.abs(f) <= enough)
-        astride = f * of_other < 0.0
+        astride = f * f_bracket < 0.0
         if not np.any(far & (astride | (np.abs(x - begin) < reach))):
             break
         with np.errstate(divide="ignore", invalid="ignore"):
-            between = (x * of_other - other * f) / (of_other - f)
+            between = (x * f_bracket - bracket * f) / (f_bracket - f)
         new = np.where(far, np.where(astride, between, np.clip(x + step, begin - reach, begin + reach)), x)
         step = np.where(astride, step, 2.0 * step)
-        of_new = function(new)
-        crossed = of_new * f < 0.0
-        of_other = np.where(crossed, f, np.where(astride, 0.5 * of_other, of_new))
-        other = np.where(crossed, x, np.where(astride, other, new))
-        x, f = new, of_new
-    return x, (np.abs(f) <= enough) | (f * of_other < 0.0)
+        f_new = function(new)
+        crossed = f_new * f < 0.0
+        f_bracket = np.where(crossed, f, np.where(astride, 0.5 * f_bracket, f_new))
+        bracket = np.where(crossed, x, np.where(astride, bracket, new))
+        x, f = new, f_new
+    return x, (np.abs(f) <= enough) | (f * f_bracket < 0.0)
 
 
 DRAG = 1e-3
@@ -224,8 +224,8 @@ def relax(
             step = np.linalg.solve(np.diag(np.full(x.size, DRAG / h)) - slope, r)
             far = float(np.max(np.abs(step)))
             if far <= REACH:
-                there = rolled(x + small * step)
-                trial = residual(there)
+                point = rolled(x + small * step)
+                trial = residual(point)
                 missed = float(np.linalg.norm(DRAG / h * step - trial))
                 missed /= max(float(np.linalg.norm(r)), float(np.linalg.norm(trial)))
                 if missed <= ASTRAY:  # false for nan
@@ -235,7 +235,7 @@ def relax(
                 h *= SHORTER
         else:
             break
-        x, r = there, trial
+        x, r = point, trial
         slope = None if missed > STALE else slope
         creeps += far < 1.0 and h < FIRST
         if far < EASY:

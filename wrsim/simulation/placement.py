@@ -119,12 +119,12 @@ def _on_chord(law: VehicleOnTrack, x: float, wheelsets: tuple[int, ...]) -> tupl
     if not wheelsets:
         return 0.0, 0.0, 0.0
     curve = law.track.centre.curve
-    here = path_kernels.frame_at(curve, law.start + x)
+    frame = path_kernels.frame_at(curve, law.start + x)
     places = np.array([law.vehicle.wheelsets[i].x for i in wheelsets])
     frames = [path_kernels.frame_at(curve, law.start + place).origin for place in places]
-    ways = [(f.x - here.origin.x, f.y - here.origin.y) for f in frames]
-    there = np.array([complex(dx * here.t.x + dy * here.t.y, dx * here.n.x + dy * here.n.y) for dx, dy in ways])
+    ways = [(f.x - frame.origin.x, f.y - frame.origin.y) for f in frames]
+    offsets = np.array([complex(dx * frame.t.x + dy * frame.t.y, dx * frame.n.x + dy * frame.n.y) for dx, dy in ways])
     middle = places.mean()
-    angle = phase(np.sum((places - middle) * there)) if len(places) > 1 else 0.0
-    position = complex(there.mean() + (x - middle) * exp(1j * angle))
+    angle = phase(np.sum((places - middle) * offsets)) if len(places) > 1 else 0.0
+    position = complex(offsets.mean() + (x - middle) * exp(1j * angle))
     return position.real, position.imag, angle

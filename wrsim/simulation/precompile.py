@@ -32,8 +32,8 @@ LARGE: tuple[tuple[Any, Any], ...] = (
 def compile_others() -> None:
     """All but the normal model."""
     compile_stages(CONTACT, CREEP_FORCES)
-    for one, types in LARGE:
-        one.compile(types)
+    for kernel, types in LARGE:
+        kernel.compile(types)
 
 
 if __name__ == "__main__":

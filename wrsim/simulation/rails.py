@@ -63,9 +63,9 @@ class RailsOnSleepers:
         along = np.array([track.rail_distance("left", lines), track.rail_distance("right", lines), lines])
         beam, n = sleepers.rail, len(places)
         head = np.array([beam.height - beam.shear_centre, beam.shear_modulus * beam.torsion])
-        here, behind = (systems.Loads(np.zeros((n, 3, 6)), np.zeros((n, 2, 6), dtype=np.intp)) for _ in range(2))
+        loads, previous = (systems.Loads(np.zeros((n, 3, 6)), np.zeros((n, 2, 6), dtype=np.intp)) for _ in range(2))
         nodes = np.zeros(self.count * sleepers.elements + 1)
-        self.rails = systems.Rails(self._pair(0), self._pair(2), nodes, on_rails, here, behind, head, along)
+        self.rails = systems.Rails(self._pair(0), self._pair(2), nodes, on_rails, loads, previous, head, along)
         self.method = np.zeros(10)
         self.guess = np.zeros((3, 2 * n))
         """Displacements, velocities and accelerations of the rails under the wheels from which a step starts."""
@@ -138,9 +138,9 @@ class RailsOnSleepers:
         c, d = self.method[5:7]
         self._pressed[:] = 0.0
         for r in range(2 if len(self._pressed) else 0):
-            system, given = self.rails.vertical.rows[r], self.rails.vertical.forces[r]
+            system, forces = self.rails.vertical.rows[r], self.rails.vertical.forces[r]
             u, u_t = system[systems.P] + c * system[systems.U_TT], system[systems.P_T] + d * system[systems.U_TT]
-            self._pressed[:] += self._follow.T @ given - self._held[r].T @ u - self._dragged[r].T @ u_t
+            self._pressed[:] += self._follow.T @ forces - self._held[r].T @ u - self._dragged[r].T @ u_t
 
     def look_at_wheels(self, q: Array, q_t: Array, q_tt: Array) -> None:
         """Better guesses, with the wheels at their places."""

@@ -69,8 +69,8 @@ class SampledForces:
         """What the law knows of the first n states, (n, ...): ``reading`` of all elements and their ``loss``, records
         ``unit``, ``load``, ``axle``, the loss ``wagon`` of vehicles along the track alone; of every wheel ``pose``,
         ``total``, ``patches``, ``strips``, its number behind."""
-        there, kind, shape = self._layout[name]
-        return self._rows[:n, there].view(kind).reshape(n, *shape)
+        columns, kind, shape = self._layout[name]
+        return self._rows[:n, columns].view(kind).reshape(n, *shape)
 
     def contacts(self, n: int) -> list[RawContacts]:
         """Contacts of every wheelset at the first n states."""

@@ -176,12 +176,12 @@ def with_torques(vehicle: Vehicle) -> Vehicle:
     independent; 0 where it has none."""
     known = {effort.wheelset for effort in vehicle.efforts if len(effort.table) == 1}
     single: tuple[Turned, ...] = ("left", "right")
-    both: tuple[Turned, ...] = ("both",)
+    pair: tuple[Turned, ...] = ("both",)
     more = [
         Effort(mounted.name, ((0.0, 0.0),), wheel=wheel)
         for mounted in vehicle.wheelsets
         if mounted.name not in known
-        for wheel in (single if mounted.wheelset.independent and vehicle.slip_control is None else both)
+        for wheel in (single if mounted.wheelset.independent and vehicle.slip_control is None else pair)
     ]
     return replace(vehicle, efforts=(*vehicle.efforts, *more))
 

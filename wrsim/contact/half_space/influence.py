@@ -42,11 +42,11 @@ class Compliance:
 
     @classmethod
     def of(cls, wheel: Material, rail: Material, layer: float = 0.0) -> "Compliance":
-        both = (wheel, rail)
-        k_wheel, k_rail = ((1.0 - 2.0 * m.poisson_ratio) / m.shear_modulus for m in both)
+        materials = (wheel, rail)
+        k_wheel, k_rail = ((1.0 - 2.0 * m.poisson_ratio) / m.shear_modulus for m in materials)
         return cls(
-            sum((1.0 - m.poisson_ratio) / m.shear_modulus for m in both) / (2.0 * pi),
-            sum(m.poisson_ratio / m.shear_modulus for m in both) / (2.0 * pi),
+            sum((1.0 - m.poisson_ratio) / m.shear_modulus for m in materials) / (2.0 * pi),
+            sum(m.poisson_ratio / m.shear_modulus for m in materials) / (2.0 * pi),
             (k_rail - k_wheel) / (4.0 * pi),
             layer,
         )
@@ -65,8 +65,8 @@ def integrals(x: Array, s: Array) -> Array:
     r = np.hypot(x, s)
     ln = np.log(r)
     # atan(s / x) as an odd function of both: no jump where x changes sign within an element
-    turn, other = np.arctan2(s, np.abs(x)), np.arctan2(x, np.abs(s))
-    primitive = along_x + along_s, along_x, along_s, -r, np.abs(x) * turn + s * ln, np.abs(s) * other + x * ln
+    angle, complement = np.arctan2(s, np.abs(x)), np.arctan2(x, np.abs(s))
+    primitive = along_x + along_s, along_x, along_s, -r, np.abs(x) * angle + s * ln, np.abs(s) * complement + x * ln
     return np.diff(np.diff(primitive, axis=1), axis=2)
 
 

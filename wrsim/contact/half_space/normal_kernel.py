@@ -57,21 +57,21 @@ def turn(d: Descent, z: Array, rho_last: float) -> float:
 
 
 @kernel
-def advance(d: Descent, at: Array) -> int:
-    """Step to the minimum along t; at: A t. Elements that would pull leave the contact with p = 0. The gap changes by
-    the unclipped step. Returns the number of elements that left; then it must be computed anew."""
+def advance(d: Descent, product: Array) -> int:
+    """Step to the minimum along t; product: A t. Elements that would pull leave the contact with p = 0. The gap
+    changes by the unclipped step. Returns the number of elements that left; then it must be computed anew."""
     rt = 0.0
     tat = 0.0
-    for i in range(at.size):
+    for i in range(product.size):
         if d.contact[i]:
             rt += d.gap[i] * d.direction[i]
-            tat += d.direction[i] * at[i]
+            tat += d.direction[i] * product[i]
     if tat <= 0.0:
         return 0
     tau = rt / tat
     left = 0
-    for i in range(at.size):
-        d.gap[i] -= tau * at[i]
+    for i in range(product.size):
+        d.gap[i] -= tau * product[i]
         if d.contact[i]:
             d.p[i] -= tau * d.direction[i]
             if d.p[i] < 0.0:

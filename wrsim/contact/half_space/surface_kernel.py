@@ -79,11 +79,11 @@ def build_axis(
     if level:
         arc_wheel = _beside(wheel, rail, arc_wheel, arc_rail)
     _e, shrink = _offset(wheel, rail, arc_wheel, arc_rail)
-    at = 0.0
+    position = 0.0
     for i in range(axis.size):
         goal = start + i * step
-        pieces = int(abs(goal - at) / LONGEST_STEP) + 1
-        piece = (goal - at) / pieces
+        pieces = int(abs(goal - position) / LONGEST_STEP) + 1
+        piece = (goal - position) / pieces
         for _ in range(pieces):
             arc_wheel += piece * shrink
             arc_rail += piece
@@ -92,7 +92,7 @@ def build_axis(
                 if not level:
                     arc_wheel -= 0.5 * e * shrink
                     arc_rail += 0.5 * e
-        at = goal
+        position = goal
         row = axis[i]
         row.s = goal
         row.arc_wheel = arc_wheel

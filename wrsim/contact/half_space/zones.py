@@ -190,10 +190,10 @@ def _box(rows: NDArray[np.void], pen: Array, lo: int, hi: int, step: float) -> B
 
     def crossing(row: int, side: int) -> float:
         """Where overlap ends beyond its last row."""
-        other = row + side
-        if not 0 <= other < len(pen):
+        neighbour = row + side
+        if not 0 <= neighbour < len(pen):
             return row * step
-        return (row + side * float(pen[row] / (pen[row] - pen[other]))) * step
+        return (row + side * float(pen[row] / (pen[row] - pen[neighbour]))) * step
 
     return crossing(lo, -1), crossing(hi, 1), float((x - half).min()), float((x + half).max())
 

@@ -164,8 +164,8 @@ def compiler_for(target: str) -> list[str]:
     if compiler and "CC" in os.environ:
         raise WrsimError(f"no C compiler: the variable CC names {compiler[0]}, which is not found")
     if not find_spec("ziglang"):
-        here = "no C compiler: there is no cc; Debian's gcc is one, zig another" if compiler else "needs zig"
-        raise WrsimError(f"{target}: {here}: pip install 'wrsim[cross]'")
+        reason = "no C compiler: there is no cc; Debian's gcc is one, zig another" if compiler else "needs zig"
+        raise WrsimError(f"{target}: {reason}: pip install 'wrsim[cross]'")
     return [sys.executable, "-m", "ziglang", "cc", "-target", LINKING[target][1]]
 
 
@@ -239,7 +239,7 @@ def _members(kind: Any) -> str:
 
 if __name__ == "__main__":
     try:
-        for one in sys.argv[2:] or [""]:
-            print(build_library(Path(sys.argv[1], one), one))
+        for target_name in sys.argv[2:] or [""]:
+            print(build_library(Path(sys.argv[1], target_name), target_name))
     except WrsimError as error:
         sys.exit(str(error))

@@ -85,8 +85,8 @@ def reading_options(
     """`reading_as` with keys of a profile of kind ``points`` for wheels and rails alike; field_side is of rails, origin
     and back_to_tape_circle_mm of wheels; cutoff [mm]."""
     cutoff, back = (None if mm is None else 1e-3 * mm for mm in (cutoff, back_to_tape_circle_mm))
-    both = {"unit": unit, "heights": heights, "measured": measured, "cutoff": cutoff, "align": align}
-    return reading_as({"wheel": both | {"origin": origin, "back": back}, "rail": both | {"field_side": field_side}})
+    common = {"unit": unit, "heights": heights, "measured": measured, "cutoff": cutoff, "align": align}
+    return reading_as({"wheel": common | {"origin": origin, "back": back}, "rail": common | {"field_side": field_side}})
 
 
 @dataclass(frozen=True)
@@ -243,9 +243,9 @@ def _given(options: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in options.items() if value is not None}
 
 
-def _checked(path: Path, stated: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+def _checked(path: Path, stated: Mapping[str, Any], defaults: Mapping[str, Any]) -> dict[str, Any]:
     """How a file is read, of what is not None. Raises InputError for a word that is none."""
-    options = {**given, **_given(stated)}
+    options = {**defaults, **_given(stated)}
     allowed = {"unit": (*METRES,), "heights": HEIGHTS, "field_side": SIDES, "origin": ORIGINS}
     for key, terms in allowed.items():
         if (word := options.get(key)) not in (None, *terms):

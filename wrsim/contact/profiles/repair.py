@@ -105,8 +105,8 @@ def filled(points: ProfilePoints, body: Kind, gap: float) -> tuple[ProfilePoints
         curve = p[i] + x * (first + x * (3.0 * d - 2.0 * first - second + x * (first + second - 2.0 * d)))
         points = _with(points, int(i) + 1, int(i), curve)
         longest, count = max(longest, chord), count + 1
-    which = "gap" if count == 1 else f"{count} gaps of up to"
-    return points, [f"{which} {1e3 * longest:.3g} mm filled, over which the curve hardly turns"] if count else []
+    subject = "gap" if count == 1 else f"{count} gaps of up to"
+    return points, [f"{subject} {1e3 * longest:.3g} mm filled, over which the curve hardly turns"] if count else []
 
 
 def _outside(points: ProfilePoints, i: int, body: Kind) -> bool:

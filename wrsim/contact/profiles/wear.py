@@ -257,7 +257,7 @@ def on_unworn(profile: Profile, table: DepthTable | None, length: float, lost: A
     table: of the wear so far; length: of the worn profile [m].
     """
     edges = np.linspace(0.0, profile.length, count + 1)
-    places = edges if table is None else arclengths(lambda at: _Bells(profile, (table,)).curve(at)[1], edges)
+    places = edges if table is None else arclengths(lambda u: _Bells(profile, (table,)).curve(u)[1], edges)
     places = places * (length / places[-1])
     bins = np.linspace(0.0, length, lost.size + 1)
     gone = np.concatenate([[0.0], np.cumsum(lost * (bins[1] - bins[0]))])

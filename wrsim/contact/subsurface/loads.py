@@ -125,8 +125,8 @@ class SurfaceLoads:
     def _largest(self, measure: str, points: tuple[ArrayLike, ...]) -> Extreme:
         x, s, depth = places = np.broadcast_arrays(*points)
         values = getattr(self.stress(x, s, depth), measure)
-        at = np.unravel_index(int(values.argmax()), values.shape)
-        return Extreme(float(values[at]), *(float(axis[at]) for axis in places))
+        index = np.unravel_index(int(values.argmax()), values.shape)
+        return Extreme(float(values[index]), *(float(axis[index]) for axis in places))
 
 
 def surface_loads(

@@ -68,11 +68,11 @@ class Rows:
 def _rows(samples: Records, radii: Array) -> Rows:
     """All strips with a load, of what `Losses.store` has copied; radii: of the wheels [m]."""
     lobes, strips, wheel = samples["lobes"].view(LOBE), samples["strips"].view(STRIP), samples["wheel"]
-    there = (np.arange(lobes.shape[1]) < samples["count"][:, None]) & (lobes["N"] > 0.0)
-    used = there[..., None] & (np.arange(strips.shape[2]) < lobes["n_strips"][..., None])
-    sample, at, _ = np.nonzero(used)
+    loaded = (np.arange(lobes.shape[1]) < samples["count"][:, None]) & (lobes["N"] > 0.0)
+    used = loaded[..., None] & (np.arange(strips.shape[2]) < lobes["n_strips"][..., None])
+    sample, lobe, _ = np.nonzero(used)
     strip = strips[used]
-    wear = np.where(there, lobes["wear"], 0.0)
+    wear = np.where(loaded, lobes["wear"], 0.0)
     # lobes of one patch have one number
     same = lobes["group"][:, :, None] == lobes["group"][:, None, :]
     patch = (same * wear[:, None, :]).sum(axis=2)
@@ -80,10 +80,10 @@ def _rows(samples: Records, radii: Array) -> Rows:
     arm = np.stack([strip["x"], strip["o"], strip["b"]], axis=-1) - pose[:, :3]
     u = (arm * pose[:, 3:6]).sum(axis=1)
     radius = np.linalg.norm(arm - u[:, None] * pose[:, 3:6], axis=1)
-    on_wheel, on_rail = (lobes[name][sample, at] + strip["s"] for name in ("arc_wheel", "arc_rail"))
+    on_wheel, on_rail = (lobes[name][sample, lobe] + strip["s"] for name in ("arc_wheel", "arc_rail"))
     return Rows(
-        strip, samples["way"][sample], np.abs(pose[:, 6]), wear[sample, at], patch[sample, at],
-        sample * lobes.shape[1] + at, on_wheel, on_rail, u, radii[wheel[sample]] - radius, wheel[sample],
+        strip, samples["way"][sample], np.abs(pose[:, 6]), wear[sample, lobe], patch[sample, lobe],
+        sample * lobes.shape[1] + lobe, on_wheel, on_rail, u, radii[wheel[sample]] - radius, wheel[sample],
     )  # fmt: skip
 
 
@@ -249,8 +249,8 @@ def _spread(arc: Array, width: Array, places: Places, amounts: Sequence[Array]) 
     parts = np.floor(low / step).astype(np.intp) + np.arange(int(np.ceil(width.max() / step)) + 1)[:, None]
     covered = np.maximum(np.minimum(high, (parts + 1) * step) - np.maximum(low, parts * step), 0.0)
     covered[0, covered.sum(axis=0) <= 0.0] = 1.0
-    at, shares = np.clip(parts, 0, count - 1).ravel(), covered / covered.sum(axis=0)
-    return np.array([np.bincount(at, (shares * amount).ravel(), count) for amount in amounts])
+    bins, shares = np.clip(parts, 0, count - 1).ravel(), covered / covered.sum(axis=0)
+    return np.array([np.bincount(bins, (shares * amount).ravel(), count) for amount in amounts])
 
 
 def _foot(profile: Profile, arc: Array, u: Array, w: Array) -> Array:
