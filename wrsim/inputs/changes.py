@@ -47,10 +47,10 @@ def changed(data: Any, path: KeyPath, value: Any) -> Any:
     first, rest = path[0], path[1:]
     if isinstance(data, list):
         return [changed(v, rest, value) if k == first else v for k, v in enumerate(data)]
-    others = {k: v for k, v in data.items() if k == first or metric_key(k) != metric_key(str(first))}
+    kept = {k: v for k, v in data.items() if k == first or metric_key(k) != metric_key(str(first))}
     if value is None and not rest:
-        return {k: v for k, v in others.items() if k != first}
-    return {**others, first: changed(data.get(first, {} if rest else None), rest, value)}
+        return {k: v for k, v in kept.items() if k != first}
+    return {**kept, first: changed(data.get(first, {} if rest else None), rest, value)}
 
 
 def full_path(data: dict[str, Any], path: KeyPath, *, by_name: bool) -> KeyPath:
@@ -66,8 +66,8 @@ def full_path(data: dict[str, Any], path: KeyPath, *, by_name: bool) -> KeyPath:
         if isinstance(tree, list):
             steps: KeyPath = (_entry(tree, part, full),)
         elif not isinstance(tree, dict) or isinstance(part, int):
-            what = "list" if isinstance(part, int) else "table"
-            raise InputError(f"{dotted((*full, part))}: '{dotted(full)}' = {shown_value(tree, 30)} is no {what}")
+            kind = "list" if isinstance(part, int) else "table"
+            raise InputError(f"{dotted((*full, part))}: '{dotted(full)}' = {shown_value(tree, 30)} is no {kind}")
         elif part in tree or last:
             steps = (part,)
         elif by_name:
@@ -95,8 +95,8 @@ def _entry(data: list[Any], part: str | int, done: KeyPath) -> int:
         raise InputError(f"{dotted((*done, part))}: {dotted(done)} has no one entry '{part}'; {allowed}")
     if int(part) >= len(data):
         several = f"there are {len(data)}, [0] to [{len(data) - 1}]"
-        there = ("it is empty", "there is [0]", several)[min(len(data), 2)]
-        raise InputError(f"{dotted((*done, part))}: there is no such entry; {there}")
+        hint = ("it is empty", "there is [0]", several)[min(len(data), 2)]
+        raise InputError(f"{dotted((*done, part))}: there is no such entry; {hint}")
     return int(part)
 
 
@@ -121,12 +121,12 @@ def _named(tree: dict[str, Any], name: str, done: KeyPath, rest: KeyPath) -> Key
 def _tables(tree: dict[str, Any], path: KeyPath) -> Iterator[tuple[str, KeyPath]]:
     """Names of all tables in a tree, each with the way to it."""
     for key, value in tree.items():
-        here = (*path, key)
+        branch = (*path, key)
         if isinstance(value, dict):
-            yield key, here
-            yield from _tables(value, here)
+            yield key, branch
+            yield from _tables(value, branch)
         for i, each in enumerate(value if isinstance(value, list) else ()):
             if isinstance(each, dict):
                 if isinstance(name := each.get("name"), str):
-                    yield name, (*here, i)
-                yield from _tables(each, (*here, i))
+                    yield name, (*branch, i)
+                yield from _tables(each, (*branch, i))

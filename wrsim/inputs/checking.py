@@ -20,9 +20,9 @@ Locate = Callable[[KeyPath], str]
 """Gives the file and line (``curve.toml:12``) for the path of a key."""
 
 
-def opened(path: Path, what: str) -> tuple[dict[str, Any], Locate]:
-    """Tables of a TOML file, and a function that locates its keys. what: name of such a file. Raises InputError."""
-    text = toml_text(path, what)
+def opened(path: Path, label: str) -> tuple[dict[str, Any], Locate]:
+    """Tables of a TOML file, and a function that locates its keys. label: name of such a file. Raises InputError."""
+    text = toml_text(path, label)
 
     def locate(key: KeyPath) -> str:
         line = line_of(key_lines(text), key)
@@ -45,12 +45,12 @@ def check_section(section: type[S], data: dict[str, Any], locate: Locate) -> S:
 def refuse_other_kind(kind: Any, data: dict[str, Any], locate: Locate) -> None:
     """Raise InputError where a file is of another kind than it should be: most keys at its top are those of one, or all
     are, and those that are not of its own kind are no misspelt ones."""
-    known, name, other = _known(_classes(kind), data), *_likeliest(data)
+    known, name, foreign = _known(_classes(kind), data), *_likeliest(data)
     strange = data.keys() - known
     meant = [key for each in _classes(kind) for key in each.model_fields]
-    wholly = len(other) == len(data) and strange and not any(nearest(key, meant) for key in strange)
+    wholly = len(foreign) == len(data) and strange and not any(nearest(key, meant) for key in strange)
     wanted = [file.label for file in FILES.values() if {*_classes(kind)} <= {*_classes_of(file)}]
-    if wanted and (wholly or (2 * len(known) <= len(data) and len(other) > len(known) + 1)):
+    if wanted and (wholly or (2 * len(known) <= len(data) and len(foreign) > len(known) + 1)):
         raise InputError(f"{locate(())}: is {FILES[name].described}; {wanted[0]} is needed here")
 
 

@@ -103,11 +103,11 @@ def shipped_models() -> Path:
     return inside if inside.is_dir() else package.parent / "models"
 
 
-def as_path(given: Any, what: str) -> Path:
-    """What is given from Python, as a path. what: the file that it names. Raises InputError for what is no path."""
-    if not isinstance(given, str | os.PathLike):
-        raise InputError(f"{given!r:.60}: must be the name of {what}, a text or a Path")
-    return Path(given)
+def as_path(value: Any, label: str) -> Path:
+    """What is given from Python, as a path. label: the file that it names. Raises InputError for what is no path."""
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"{value!r:.60}: must be the name of {label}, a text or a Path")
+    return Path(value)
 
 
 def model_file(name: str | Path, extra: Sequence[str | Path] | None = ()) -> Path:

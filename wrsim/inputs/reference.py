@@ -61,7 +61,7 @@ def _classes(module: str) -> dict[str, list[ast.stmt]]:
         tree = ast.parse(inspect.getsource(sys.modules[module]))
     except (OSError, KeyError):
         return {}
-    return {one.name: one.body for one in tree.body if isinstance(one, ast.ClassDef)}
+    return {node.name: node.body for node in tree.body if isinstance(node, ast.ClassDef)}
 
 
 SCHEMA = "http://json-schema.org/draft-07/schema#"
@@ -95,10 +95,10 @@ def entries(section: type[Section]) -> list[Entry]:
         if default == "[]" and not accepts(annotation, []):
             default = "none"
         aliases = tuple(section.aliases.get(key, ()))
-        given = _examples().get(section.header, {}).get(key) or _examples().get(key)
+        sample = _examples().get(section.header, {}).get(key) or _examples().get(key)
         example = default if default not in ("needed", "none", "") else example_of(annotation)
-        if example and default in ("needed", "none", "") and accepts(annotation, given):
-            example = shown_value(given)
+        if example and default in ("needed", "none", "") and accepts(annotation, sample):
+            example = shown_value(sample)
         unit, meaning = UNITS.get(unit_of(key), ""), meanings(section).get(key, "")
         allowed = requirement(annotation)
         keys.append(Entry(section.header, key, meaning, unit, allowed, default, aliases, example, _us(section, key)))
@@ -252,16 +252,16 @@ def _value_schema(schema: dict[str, Any], annotation: Any) -> dict[str, Any]:
         retained = [part for part in schema.pop("anyOf") if part.get("type") != "null"]
         schema = retained[0] | schema if len(retained) == 1 else {"anyOf": retained, **schema}
     base, limits, description, _ = unpacked(annotation)
-    others: list[dict[str, Any]] = []
+    variants: list[dict[str, Any]] = []
     if schema.get("type") == "array":
         if schema.get("items") and ("list of such" in description or "or a list" in description):  # one alone will do
-            others.append(schema["items"])
+            variants.append(schema["items"])
         if "from = " in description:
             span = {"type": "object", "properties": {k: {"type": "number"} for k in RANGE}, "required": list(RANGE)}
-            others.append(span | {"additionalProperties": False})
+            variants.append(span | {"additionalProperties": False})
     elif base is float and not limits and _QUOTED.search(description):  # words in place of numbers
-        others.append({"type": "string"})
-    return ({"anyOf": [schema, *others]} if others else schema) | default
+        variants.append({"type": "string"})
+    return ({"anyOf": [schema, *variants]} if variants else schema) | default
 
 
 def _without_titles(tree: Any) -> Any:

@@ -124,18 +124,18 @@ class Section(BaseModel):
     def _ways(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """Faults against `one_of`, `at_most_one`, `together` and `goes_with`."""
         for row in (*cls.one_of, *cls.at_most_one):
-            first, *others = row.split()
-            given = [key for key in row.split() if key in raw]
-            if len(given) > 1:
-                yield Fault(given[-1], f"cannot be given with {given[0]}: give one of them")
-            elif not given and row in cls.one_of:
-                needed = f"must be {requirement(fields(cls)[first])} (or give {' or '.join(others)})"
+            first, *rest = row.split()
+            present = [key for key in row.split() if key in raw]
+            if len(present) > 1:
+                yield Fault(present[-1], f"cannot be given with {present[0]}: give one of them")
+            elif not present and row in cls.one_of:
+                needed = f"must be {requirement(fields(cls)[first])} (or give {' or '.join(rest)})"
                 yield Fault(first, needed, missing=True)
         for row in cls.together:
-            given = [key for key in row.split() if key in raw]
-            for key in row.split() if given else ():
+            present = [key for key in row.split() if key in raw]
+            for key in row.split() if present else ():
                 if key not in raw:
-                    needed = f"goes with {given[0]}: must be {requirement(fields(cls)[key])}"
+                    needed = f"goes with {present[0]}: must be {requirement(fields(cls)[key])}"
                     yield Fault(key, needed, missing=True)
         for key, needs in cls.goes_with.items():
             if key in raw and not any(need in raw for need in needs.split()):
@@ -144,10 +144,10 @@ class Section(BaseModel):
     def _order(self) -> Iterator[Fault]:
         """Faults against `above` and `not_above`."""
         for rule, must, holds in ((self.above, "must be", gt), (self.not_above, "must not be", le)):
-            for key, other in rule.items():
-                value, limit = getattr(self, key), getattr(self, other)
+            for key, bound in rule.items():
+                value, limit = getattr(self, key), getattr(self, bound)
                 if value is not None and limit is not None and not holds(value, limit):
-                    yield Fault(key, f"{must} above {other} ({limit:g})")
+                    yield Fault(key, f"{must} above {bound} ({limit:g})")
 
     def consistency(self) -> Iterator[Fault]:
         """Yield faults in the combination of values; called when every value and every rule is met."""
@@ -158,7 +158,7 @@ class Section(BaseModel):
         sided = side_key(key, side)
         return (key, getattr(self, key)) if getattr(self, sided) is None else (sided, getattr(self, sided))
 
-    def to_si(self, target: Callable[..., T], /, **others: Any) -> T:
+    def to_si(self, target: Callable[..., T], /, **extra: Any) -> T:
         """What a dataclass or a function makes of values in SI units: its parameters have the names of keys without
         their units, or are among the others. A key that is not given leaves the parameter its default."""
         values: dict[str, Any] = {}
@@ -168,7 +168,7 @@ class Section(BaseModel):
                 values[name] = tuple(map(convert, value))
             elif value is not None:
                 values[name] = convert(value) if isinstance(value, float) else value
-        return target(**values | others)
+        return target(**values | extra)
 
     @model_validator(mode="wrap")
     @classmethod
@@ -246,8 +246,8 @@ class Section(BaseModel):
     ) -> set[str]:
         """Put the value of a key in US units under the metric key; or its fault, and the key that it was meant for."""
         name, convert = metric(key) or (key, float)
-        others = [other for other in raw if other != key and metric_key(str(other)) == name]
-        message = f"cannot be given with {others[0]}: give one of them" if name in {*raw, *data} else ""
+        twins = [twin for twin in raw if twin != key and metric_key(str(twin)) == name]
+        message = f"cannot be given with {twins[0]}: give one of them" if name in {*raw, *data} else ""
         try:
             data[name] = converted(value, convert)
         except (ValueError, ZeroDivisionError):
@@ -282,9 +282,9 @@ class Section(BaseModel):
             if meant in raw:
                 return f"unknown key; did you mean '{meant}'{in_unit}, which is given already?", meant
             return f"unknown key; did you mean '{meant}'{in_unit}?", meant
-        other = key if key in elsewhere else _same_stem(key, list(elsewhere))
-        if other is not None:
-            return f"unknown key; '{other}' belongs in {elsewhere[other]}", None
+        misplaced = key if key in elsewhere else _same_stem(key, list(elsewhere))
+        if misplaced is not None:
+            return f"unknown key; '{misplaced}' belongs in {elsewhere[misplaced]}", None
         return f"unknown key; {cls.header} takes " + ", ".join(allowed), None
 
 
@@ -315,9 +315,9 @@ def _si_fields(section: type[Section], target: Callable[..., T]) -> list[tuple[s
     return [row for row in rows if row[1] in named]
 
 
-def side_key(both: str, side: str) -> str:
+def side_key(key: str, side: str) -> str:
     """The key of one side beside the one for both: ``radius_left_mm`` beside ``radius_mm``."""
-    stem, *unit = both.split("_", 1)
+    stem, *unit = key.split("_", 1)
     return "_".join((stem, side, *unit))
 
 
@@ -326,19 +326,19 @@ def on_side(sections: Sequence[S], side: str) -> list[tuple[int, S]]:
     return [(i, each) for i, each in enumerate(sections) if each.side in (side, "both")]  # type: ignore[attr-defined]
 
 
-def both_or_sides(raw: dict[str, Any], both: str, *, needed: str = "", complete: bool = False) -> Iterator[Fault]:
+def both_or_sides(raw: dict[str, Any], common: str, *, needed: str = "", complete: bool = False) -> Iterator[Fault]:
     """Faults of a key for both sides and its two relatives for single sides, which exclude each other.
 
     complete: one side needs the other; needed (what the key must be): one way is needed, implies complete.
     """
-    left, right = side_key(both, "left"), side_key(both, "right")
+    left, right = side_key(common, "left"), side_key(common, "right")
     sides = [key for key in (left, right) if key in raw]
-    if both in raw and sides:
-        yield Fault(both, f"is for both sides and cannot be given with {' and '.join(sides)}")
-    elif both not in raw and not sides and needed:
-        yield Fault(both, f"must be {needed} (or give {left} and {right})", missing=True)
+    if common in raw and sides:
+        yield Fault(common, f"is for both sides and cannot be given with {' and '.join(sides)}")
+    elif common not in raw and not sides and needed:
+        yield Fault(common, f"must be {needed} (or give {left} and {right})", missing=True)
     elif len(sides) == 1 and (complete or needed):
-        yield Fault(left if right in raw else right, f"goes with {sides[0]} (or give {both})", missing=True)
+        yield Fault(left if right in raw else right, f"goes with {sides[0]} (or give {common})", missing=True)
 
 
 def given(*values: T | None) -> T:

@@ -41,14 +41,14 @@ _NO_FILES = {
 }
 
 
-def read_text(path: Path, what: str = "file") -> str:
+def read_text(path: Path, label: str = "file") -> str:
     """Return the text of a UTF-8 file (a byte order mark is allowed).
 
     Raises InputError as `read_bytes` does, for zero bytes, and for bytes that are not UTF-8 (naming the line).
     """
-    data = read_bytes(path, what)
+    data = read_bytes(path, label)
     if b"\0" in data and data[:2] not in (b"\xff\xfe", b"\xfe\xff"):  # UTF-16 is text
-        raise InputError(f"{path}: is no text file; a {what} is needed here")
+        raise InputError(f"{path}: is no text file; a {label} is needed here")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -57,16 +57,16 @@ def read_text(path: Path, what: str = "file") -> str:
         raise InputError(f"{path}:{line}: byte {byte} is not UTF-8 text; save the file as UTF-8") from None
 
 
-def toml_text(path: Path, what: str) -> str:
+def toml_text(path: Path, label: str) -> str:
     """The text of a TOML file; raises InputError as `read_text` does, and for empty files and other kinds."""
     kind = ENDINGS.get(path.suffix.lower()) if os.path.isfile(path) else None
-    text = "" if kind else read_text(path, what)
+    text = "" if kind else read_text(path, label)
     if not text.strip():
-        raise InputError(f"{path}: is {kind or 'empty'}; a {what} is needed here")
+        raise InputError(f"{path}: is {kind or 'empty'}; a {label} is needed here")
     return text
 
 
-def read_bytes(path: Path, what: str) -> bytes:
+def read_bytes(path: Path, label: str) -> bytes:
     """Return the content of a file; it never waits, and never takes more memory than the largest file allowed.
 
     Raises InputError, with what the file is, for a missing one (naming neighbours with a similar name), a directory, a
@@ -76,41 +76,41 @@ def read_bytes(path: Path, what: str) -> bytes:
     if content is None and (why := out_of_reach(path)):
         raise InputError(f"{path}: {why}")
     try:
-        content = _content(path, what) if content is None else content
+        content = _content(path, label) if content is None else content
     except FileNotFoundError:
-        raise InputError(f"{path}: no such {what}{similar_files(path)}") from None
+        raise InputError(f"{path}: no such {label}{similar_files(path)}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot read this {what}: {reason}") from None
+        raise InputError(f"{path}: cannot read this {label}: {reason}") from None
     if (read := _READ.get()) is not None:
         read[path] = content
     return content
 
 
-def _content(path: Path, what: str) -> bytes:
+def _content(path: Path, label: str) -> bytes:
     """The content of a plain file, checked after it is open: it cannot be exchanged in between."""
     if os.path.isdir(path):
         inside = _listing(sorted(p.name for p in path.glob("*.toml")))
-        raise InputError(f"{path}: is a directory, a {what} is needed{inside}")
-    with open(open_plain(path, what), "rb") as stream:
+        raise InputError(f"{path}: is a directory, a {label} is needed{inside}")
+    with open(open_plain(path, label), "rb") as stream:
         status = os.fstat(stream.fileno())
         content = b"" if status.st_size > LARGEST else stream.read(LARGEST + 1)
     if (size := max(status.st_size, len(content))) > LARGEST:
-        raise InputError(f"{path}: has {size / 1e6:.1f} MB; a {what} of at most {LARGEST / 1e6:.0f} MB is read")
+        raise InputError(f"{path}: has {size / 1e6:.1f} MB; a {label} of at most {LARGEST / 1e6:.0f} MB is read")
     return content
 
 
-def open_plain(path: Path, what: str, flags: int = os.O_RDONLY) -> int:
+def open_plain(path: Path, label: str, flags: int = os.O_RDONLY) -> int:
     """A descriptor of a plain file; it never waits. Raises InputError for a pipe, a device, a directory; OSError."""
     try:
         handle = os.open(path, flags | system.PLAIN, 0o666)
     except PermissionError:
         if not path.is_dir():  # Windows opens none
             raise
-        raise InputError(f"{path}: is a directory, a {what} is needed") from None
+        raise InputError(f"{path}: is a directory, a {label} is needed") from None
     if kind := other_kind(os.fstat(handle).st_mode):
         os.close(handle)
-        raise InputError(f"{path}: is {kind}, a {what} is needed")
+        raise InputError(f"{path}: is {kind}, a {label} is needed")
     return handle
 
 

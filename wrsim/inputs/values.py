@@ -186,8 +186,8 @@ def choice(allowed: tuple[Any, ...], value: Any = None) -> str:
 
 def meant(word: str, allowed: Sequence[str]) -> str:
     """What comes nearest to a word of other programs, or the word that is like it, to end a sentence; or nothing."""
-    if here := [f'"{name}"' for name in ELSEWHERE.get(word.lower().replace("_", "-"), ()) if name in allowed]:
-        return f"; did you mean {one_of(here)}?"
+    if names := [f'"{name}"' for name in ELSEWHERE.get(word.lower().replace("_", "-"), ()) if name in allowed]:
+        return f"; did you mean {one_of(names)}?"
     near = nearest(word, allowed)
     return f'; did you mean "{near}"?' if near else ""
 
@@ -217,17 +217,17 @@ def _number_text(base: type, limits: tuple[Any, ...], description: str) -> str:
     if description and not limits:
         return description
     lowest, highest, excluded = number_limits(limits)
-    what = "a whole number" if base is int else "a number"
+    phrase = "a whole number" if base is int else "a number"
     low, high = (plain_number(v) if math.isfinite(v) else "" for v in (lowest, highest))
     if low and high:
-        what += f" above {low} and at most {high}" if excluded else f" from {low} to {high}"
+        phrase += f" above {low} and at most {high}" if excluded else f" from {low} to {high}"
     elif low:
-        what += f" above {low}" if excluded else f" not below {low}"
+        phrase += f" above {low}" if excluded else f" not below {low}"
     elif high:
-        what += f" not above {high}"
+        phrase += f" not above {high}"
     elif base is float:
-        what = "a finite number"
-    return what + (f" ({description})" if description else "")
+        phrase = "a finite number"
+    return phrase + (f" ({description})" if description else "")
 
 
 def plain_number(value: float) -> str:

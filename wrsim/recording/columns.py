@@ -73,13 +73,13 @@ class ChannelSection(Section, header="[[channels]]"):
         if self.positive is not None and self.positive not in signs:
             allowed = " or ".join(f'"{s}"' for s in signs)
             yield Fault("positive", f"must be {allowed}" if signs else f"cannot be given: {self.quantity} has one sign")
-        given = [key for key in ("chord_m", "band", "band_m") if getattr(self, key) is not None]
+        systems = [key for key in ("chord_m", "band", "band_m") if getattr(self, key) is not None]
         if kind not in ("alignment", "level"):
-            for key in given:
+            for key in systems:
                 yield Fault(key, "is for alignment and level only")
-        elif len(given) != 1:
-            which = f"has {' and '.join(given)}" if given else "has no measuring system"
-            yield Fault((), f'{which}: must be one of chord_m = [4, 6], band = "D1" or band_m = [3, 25]')
+        elif len(systems) != 1:
+            subject = f"has {' and '.join(systems)}" if systems else "has no measuring system"
+            yield Fault((), f'{subject}: must be one of chord_m = [4, 6], band = "D1" or band_m = [3, 25]')
         if self.band_m is not None and not self.band_m[0] < self.band_m[1]:
             yield Fault("band_m", "must be two rising wavelengths")
         if self.base_m is not None and kind not in ("twist", "curvature"):
@@ -109,8 +109,8 @@ class ChannelSection(Section, header="[[channels]]"):
         side = self.quantity.removeprefix(self.kind)
         change: dict[str, object] = {"quantity": self.kind + {"_left": "_right", "_right": "_left"}.get(side, "")}
         if self.kind in ("curvature", "alignment", "cant"):
-            usual, other = SIGNS[self.kind]
-            change["positive"] = usual if self.positive == other else other
+            usual, opposite = SIGNS[self.kind]
+            change["positive"] = usual if self.positive == opposite else opposite
         if self.chord_m is not None:
             change["chord_m"] = self.chord_m[::-1]
         return self.model_copy(update=change)
@@ -167,9 +167,9 @@ class ColumnsFile(Section, header="a column map"):
     def consistency(self) -> Iterator[Fault]:
         seen: dict[tuple[object, ...], int] = {}
         for i, c in enumerate(self.channels):  # whole kilometres and the metres beyond them are two columns
-            other = seen.setdefault((c.quantity, c.system, c.quantity == "distance" and c.unit), i)
-            if other != i:
-                same = f"channels[{other}] (column '{self.channels[other].column}')"
+            earlier = seen.setdefault((c.quantity, c.system, c.quantity == "distance" and c.unit), i)
+            if earlier != i:
+                same = f"channels[{earlier}] (column '{self.channels[earlier].column}')"
                 yield Fault(("channels", i), f"is {c.quantity} like {same}: leave one of them out")
         names = [c.quantity for c in self.channels]
         if "distance" not in names:

@@ -154,7 +154,7 @@ def _by_names(
         if c["quantity"] == "twist" and "base_m" not in c:
             c["base_m"] = section.base
             assumed.setdefault(f"base {section.base:g} m", []).append(c["column"])
-    texts = [f"{what} of {', '.join(columns)}" for what, columns in assumed.items()]
+    texts = [f"{assumption} of {', '.join(columns)}" for assumption, columns in assumed.items()]
     texts += [f"positive is {', '.join(dict.fromkeys(signs))}"] * bool(signs)
     if middle := [c["column"] for c in channels if "chord_m" in c and c["chord_m"] != list(chord or ())]:
         texts.append(f"the middle of the chord is measured: {', '.join(middle)}")
@@ -311,6 +311,6 @@ def _longest_part(distance: Array, records: Records, bridge: float, notes: list[
     if end - begin < distance.size:
         ends = [f"{distance[i]:.10g} to {distance[j - 1]:.10g} m" for i, j in parts if j - i >= FEWEST]
         taken = f"{distance[begin]:.10g} to {distance[end - 1]:.10g} m is taken"
-        others = f"dropouts of more than {bridge:g} m split the recording ({_first(ends)}): {taken}"
-        notes.append(f"{others}; the other parts come with --from-m and --to-m")
+        message = f"dropouts of more than {bridge:g} m split the recording ({_first(ends)}): {taken}"
+        notes.append(f"{message}; the other parts come with --from-m and --to-m")
     return distance[begin:end], [(c, r[begin:end]) for c, r in filled]

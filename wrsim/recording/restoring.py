@@ -147,8 +147,8 @@ class _Work:
                     source = f"it is that of the versines in column '{channel.column}'"
                     self.notes.append(f"no curvature was recorded: {source}")
                     # of long waves the versine is that at (b - a) / 3 ahead
-                    there = np.interp(s - (b - a) / 3.0, s, record)
-                    return -2.0 / (a * b) * there, float(np.sqrt((a * a + a * b + b * b) / 18.0))
+                    versine = np.interp(s - (b - a) / 3.0, s, record)
+                    return -2.0 / (a * b) * versine, float(np.sqrt((a * a + a * b + b * b) / 18.0))
         self.notes.append("no curvature was recorded: the track is laid straight")
         return np.zeros(s.size), 0.0
 
@@ -230,8 +230,8 @@ def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights
             differ = f"{kind} left less right and the {taken} differ by {rms} in their common band"
             work.notes.append(f"{differ}; the {taken} is taken")
     elif left is not None or right is not None:
-        one, weight = (left, weights[0]) if left is not None else (right, weights[1])
-        mean = np.zeros(size) if one is None else one
+        record, weight = (left, weights[0]) if left is not None else (right, weights[1])
+        mean = np.zeros(size) if record is None else record
         if apart is None:
             work.notes.append(f"{kind} of one rail alone, and no distance of the rails: both are taken alike")
         else:

@@ -87,9 +87,9 @@ def quantities(restored: Restored) -> Quantities:
 
     for kind, name, shape in (("alignment", "alinement", restored.lateral), ("level", "surface", restored.vertical)):
         for feet in (31, 62) if kind in kinds else ():
-            both = offsets(shape, feet)
-            of_outer = np.where(outer > 0, both[1], both[0]) if kind == "alignment" else both.max(axis=0)
-            values |= {(name, feet, "tangent"): tangent * both.max(axis=0), (name, feet, "curved"): curved * of_outer}
+            rails = offsets(shape, feet)
+            of_outer = np.where(outer > 0, rails[1], rails[0]) if kind == "alignment" else rails.max(axis=0)
+            values |= {(name, feet, "tangent"): tangent * rails.max(axis=0), (name, feet, "curved"): curved * of_outer}
     if kinds & {"gauge", "gauge_deviation"}:
         gauge = recording.columns.gauge_mm / 1e3 + law.widening(s) + restored.lateral[0] - restored.lateral[1]
         values |= {("gage at least", 0, "both"): gauge / INCH, ("gage at most", 0, "both"): gauge / INCH}
