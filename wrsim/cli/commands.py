@@ -20,7 +20,7 @@ from wrsim.api.options import Option
 from wrsim.api.outcome import Outcome
 from wrsim.cli import console
 from wrsim.cli.errors import INTERRUPTED, any_output, reporting_errors, usage_as_json
-from wrsim.cli.options import QUIET, Given, command
+from wrsim.cli.options import QUIET, Values, command
 from wrsim.errors import InputError
 
 DRAWS_ONE = ("width_mm", "font", "style", "no_title")
@@ -34,29 +34,29 @@ STEP_MS = inspect.Parameter(
 )
 
 
-def _one_folder(values: Given) -> Given:
+def _one_folder(values: Values) -> Values:
     if len(values["results"]) > 1 and "output" not in values:
         raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
     return {}
 
 
-def _columns(values: Given) -> Given:
+def _columns(values: Values) -> Values:
     from wrsim.api.data import columns_of
 
     return {"columns": columns_of(values["file"], values.get("columns"))}
 
 
-def _step(values: Given) -> Given:
+def _step(values: Values) -> Values:
     return {"step": 1e-3 * values["step_ms"]} if "step_ms" in values else {}
 
 
-def _mute_log(values: Given) -> Given:
+def _mute_log(values: Values) -> Values:
     if values["quiet"]:
         logging.getLogger("wrsim").setLevel(logging.ERROR)
     return {}
 
 
-def _show_folder(outcome: Outcome, values: Given, removed: int = 0) -> None:
+def _show_folder(outcome: Outcome, values: Values, removed: int = 0) -> None:
     """Tables, and where the files are."""
     if not values["quiet"]:
         console.print_numbers(False, {}, outcome.tables)
@@ -64,7 +64,7 @@ def _show_folder(outcome: Outcome, values: Given, removed: int = 0) -> None:
         console.print_files(len(outcome.files), outcome.folder, removed)
 
 
-def _show_run(outcome: Outcome, values: Given) -> None:
+def _show_run(outcome: Outcome, values: Values) -> None:
     """The result, why a run stopped and how it goes on."""
     folder = outcome.folder
     if values["as_json"]:
@@ -81,7 +81,7 @@ def _show_run(outcome: Outcome, values: Given) -> None:
                 console.print_error("go on with the same command and --resume")
 
 
-def _show_study(outcome: Outcome, values: Given) -> None:
+def _show_study(outcome: Outcome, values: Values) -> None:
     """The cases of a dry run with their time; or the outputs, and what went wrong."""
     if values["dry_run"]:
         console.print_numbers(values["as_json"], outcome.numbers, outcome.tables)

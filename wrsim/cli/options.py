@@ -18,7 +18,7 @@ from wrsim.cli.console import print_error, print_outcome, progress_of, show_time
 from wrsim.cli.errors import reporting_errors, writing_files
 from wrsim.errors import InputError
 
-Given = dict[str, Any]
+Values = dict[str, Any]
 QUIET = "No progress bar, no table."
 SWITCHES = {
     "force": Force,
@@ -45,8 +45,8 @@ ENDINGS = {
 
 def command(
     api: Callable[..., Outcome],
-    complete: Callable[[Given], Given] = lambda values: {},
-    show: Callable[[Outcome, Given], None] = print_outcome,
+    complete: Callable[[Values], Values] = lambda values: {},
+    show: Callable[[Outcome, Values], None] = print_outcome,
     *,
     draws: Sequence[str] = (),
     adds: Sequence[str] = ("force", "as_json", "units"),
@@ -69,7 +69,7 @@ def command(
     names = {_name(each): each.name for each in taken}
 
     def run(**options: Any) -> None:
-        values: Given = {names[name]: value for name, value in options.items() if value is not None}
+        values: Values = {names[name]: value for name, value in options.items() if value is not None}
         as_json, quiet = values.get("as_json", False), values.get("quiet", False)
         with ExitStack() as stack:
             stack.enter_context(reporting_errors(as_json))
@@ -146,7 +146,7 @@ def _paths(value: Any) -> list[Path]:
     return [] if value is None else list(map(Path, value)) if isinstance(value, list) else [Path(value)]
 
 
-def _place(parameter: inspect.Parameter, values: Given, first: Any) -> None:
+def _place(parameter: inspect.Parameter, values: Values, first: Any) -> None:
     """Where to write, of the name of the first argument unless it is given. Raises InputError for a wrong ending."""
     option = get_args(parameter.annotation)[1]
     if option.default and parameter.name not in values:

@@ -98,8 +98,8 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> None:
         alive = (amplitude[points] > 0.0) & (ending[points] == "cycle")
         axes.plot(speed[points], np.where(alive, amplitude[points], np.nan), color=colour, linewidth=0.9, gid=name)
         converged = ~np.isin(ending[points], ("not converged", "unsettled"))  # the second in older files
-        settled, open_ = points[converged], points[~converged]
-        axes.plot(speed[settled], amplitude[settled], mark, color=colour, markersize=4.0, label=name)
+        closed, open_ = points[converged], points[~converged]
+        axes.plot(speed[closed], amplitude[closed], mark, color=colour, markersize=4.0, label=name)
         if open_.size:
             hollow: Any = {"markerfacecolor": "white", "markeredgecolor": colour, "label": f"{name}, not converged"}
             axes.plot(speed[open_], amplitude[open_], mark, markersize=4.0, **hollow)

@@ -51,7 +51,7 @@ class Pool:
         self._open = True
         self._environment = {name: os.environ.get(name) for name in ONE_THREAD}
         os.environ.update(ONE_THREAD)  # processes take it over
-        self._threads = [Thread(target=self._hand_out, daemon=True) for _ in range(count)]
+        self._threads = [Thread(target=self._serve_calls, daemon=True) for _ in range(count)]
 
     def __enter__(self) -> Self:
         for thread in self._threads:
@@ -90,7 +90,7 @@ class Pool:
             with suppress(Empty):
                 return self._ended.get(timeout=0.5)  # Windows passes on no Ctrl-C to who waits for ever
 
-    def _hand_out(self) -> None:
+    def _serve_calls(self) -> None:
         """What the thread of a worker does."""
         worker: tuple[Any, Any] | None = None
         while self._open and (call := self._calls.get()) is not None:

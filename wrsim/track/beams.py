@@ -29,12 +29,12 @@ def bending_stiffness(length: Array, bending: Array, shear: Array | float) -> ND
     """Stiffness (n, 4, 4) of elements of these lengths [m] and bending stiffnesses [N m2], each (n,); shear: shear
     stiffness kappa G A [N], of all or each."""
     phi = 12.0 * bending / (shear * length**2)
-    ones, b = np.ones_like(length), bending / (length**3 * (1.0 + phi))
+    unit, b = np.ones_like(length), bending / (length**3 * (1.0 + phi))
     near, far = (4.0 + phi) * length**2, (2.0 - phi) * length**2
     rows = [
-        [12.0 * ones, 6.0 * length, -12.0 * ones, 6.0 * length],
+        [12.0 * unit, 6.0 * length, -12.0 * unit, 6.0 * length],
         [6.0 * length, near, -6.0 * length, far],
-        [-12.0 * ones, -6.0 * length, 12.0 * ones, -6.0 * length],
+        [-12.0 * unit, -6.0 * length, 12.0 * unit, -6.0 * length],
         [6.0 * length, far, -6.0 * length, near],
     ]
     return np.moveaxis(b * np.array(rows), -1, 0)

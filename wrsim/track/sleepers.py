@@ -95,7 +95,7 @@ class Layer:
 class SupportRow:
     """Factors of the stiffness and damping of pads and ballast at a place along the track [m], of one rail or both."""
 
-    at: float
+    s: float
     pad: float
     ballast: float
     side: Literal["left", "right", "both"] = "both"
@@ -105,7 +105,7 @@ class SupportRow:
 class RailJoint:
     """A joint of a rail at a place [m]: over the length [m] its bending stiffness is this part of the rail's."""
 
-    at: float
+    s: float
     part: float
     length: float
     side: Literal["left", "right", "both"] = "both"
@@ -267,13 +267,13 @@ class SleeperTrack:
         end = begin + length.ravel()
         for joint in self.joints:
             share = np.mean([joint.side in (side, "both") for side in sides])
-            covered = np.minimum(end, joint.at + 0.5 * joint.length) - np.maximum(begin, joint.at - 0.5 * joint.length)
+            covered = np.minimum(end, joint.s + 0.5 * joint.length) - np.maximum(begin, joint.s - 0.5 * joint.length)
             softer += (share * np.maximum(covered, 0.0) / length.ravel()).reshape(length.shape) * (1.0 / joint.part - 1)
         bending = self.rail.bending(direction) / (1.0 + softer)
         return Bays(places, length.ravel(), bending.ravel(), pad, ballast)
 
     def _factor(self, places: Array, side: str, layer: str) -> Array:
-        rows = sorted((r.at, getattr(r, layer)) for r in self.supports if r.side in (side, "both"))
+        rows = sorted((r.s, getattr(r, layer)) for r in self.supports if r.side in (side, "both"))
         return np.interp(places, *np.array(rows).T) if rows else np.ones(len(places))
 
     def layout(self, count: int, system: int) -> BayLayout:

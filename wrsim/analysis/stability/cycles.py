@@ -25,7 +25,7 @@ Branch = Literal["from above", "from below"]
 Ending = Literal["cycle", "rest", "not converged", "derailed"]
 
 SAME = 0.003  # change of the amplitude from window to window, as a part of it, below which a cycle has settled ...
-CALM = 2  # ... and how often in a row
+STEADY_WINDOWS = 2  # ... and how often in a row
 
 DYING, FAST = 0.5, 0.03
 """A motion that has fallen to this part of what it was when the longest time is over, and in its last window has fallen
@@ -132,7 +132,7 @@ class CycleSearch:
         law.set_speed(speed)
         q, q_t = state
         last = np.zeros(self.wheelsets)
-        first, calm, held = 0.0, 0, 0.0
+        first, steady_windows, held = 0.0, 0, 0.0
         statuses = np.zeros(2 * self.wheelsets if law.wheels else 0, dtype=int)
         ending: Ending = "not converged"
         message = ""
@@ -165,8 +165,8 @@ class CycleSearch:
             if largest < plan.rest and falling:
                 ending = "rest"
                 break
-            calm = calm + 1 if float(change.max()) < SAME * largest else 0
-            if calm >= CALM:
+            steady_windows = steady_windows + 1 if float(change.max()) < SAME * largest else 0
+            if steady_windows >= STEADY_WINDOWS:
                 ending = "cycle"
                 break
         else:

@@ -90,13 +90,13 @@ def find_footprints(model: ContactModel, settings: HalfSpaceSettings) -> tuple[l
         contact: Any = a.contacts[i]
         if free(contact.arc_wheel, contact.arc_wheel):
             axis = Axis(bodies, float(contact.arc_wheel), float(contact.arc_rail), settings.pairing == "level")
-            footprint, reached = _look(axis, float(contact.depth), float(contact.curvature), settings, free)
+            footprint, reached = _footprint(axis, float(contact.depth), float(contact.curvature), settings, free)
             footprints.append(footprint)
             taken += reached
     return footprints, float(a.total.closest), status
 
 
-def _look(
+def _footprint(
     axis: Axis, depth: float, curvature: float, settings: HalfSpaceSettings, free: Callable[[float, float], bool]
 ) -> tuple[Footprint, list[tuple[float, float]]]:
     """Zones around one main point, and the stretches of the wheel's profile that they take. free: whether a stretch
