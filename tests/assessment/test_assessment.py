@@ -113,17 +113,17 @@ def test_the_rms_of_a_sine_over_whole_waves_is_its_amplitude_over_root_2():
 
 
 def test_track_is_cut_into_sections_of_its_classes():
-    found = sections_of(run(900.0, curvature=curve(-500.0)).dataset, EN.classes)
-    assert [s.zone for s in found] == [
+    sections = sections_of(run(900.0, curvature=curve(-500.0)).dataset, EN.classes)
+    assert [s.zone for s in sections] == [
         "straight", "transition", "small radius", "small radius", "small radius", "transition", "straight",
     ]  # fmt: skip
-    assert [s.number for s in found] == list(range(1, 8))
-    assert [s.start for s in found[1:]] == pytest.approx([200, 250, 350, 450, 550, 600], abs=0.2)
-    assert found[3].radius == pytest.approx(-500.0)
-    assert found[1].radius == pytest.approx(-500.0, rel=1e-2)  # the sharpest of the transition
+    assert [s.number for s in sections] == list(range(1, 8))
+    assert [s.start for s in sections[1:]] == pytest.approx([200, 250, 350, 450, 550, 600], abs=0.2)
+    assert sections[3].radius == pytest.approx(-500.0)
+    assert sections[1].radius == pytest.approx(-500.0, rel=1e-2)  # the sharpest of the transition
     # 20 m/s without cant: 1.5 m v^2/(g R)
-    assert found[3].cant_deficiency == pytest.approx(1.5 * 400.0 / (9.80665 * 500.0))
-    assert [s.short for s in found] == [True, False, False, False, False, False, False]  # 200 m of 250
+    assert sections[3].cant_deficiency == pytest.approx(1.5 * 400.0 / (9.80665 * 500.0))
+    assert [s.short for s in sections] == [True, False, False, False, False, False, False]  # 200 m of 250
 
 
 @pytest.mark.parametrize(("radius", "zone"), table("classes_of_curves"))
@@ -131,9 +131,9 @@ def test_classes_of_curves(radius, zone):
     assert zone_of(1.0 / radius, EN.classes) == zone_of(-1.0 / radius, EN.classes) == zone
 
 
-def only(found: Assessment, key: str, wheel: str = "") -> float:
+def only(assessment: Assessment, key: str, wheel: str = "") -> float:
     """The value of a quantity that there is once."""
-    (value,) = [v for v in found.of(key) if v.wheel == wheel]
+    (value,) = [v for v in assessment.of(key) if v.wheel == wheel]
     return value.value
 
 
@@ -147,19 +147,19 @@ def test_constant_forces_are_their_own_percentiles_and_medians():
         yaw=lambda s: 0.0 * s - 3e-3,
         lateral_shift=lambda s: 0.0 * s - 6e-3,
     )
-    found = assess_runs(forces)
-    assert [v.value for v in found.of("sum_Y")] == pytest.approx([33e3] * 7)
-    assert [v.value for v in found.of("Y_over_Q") if v.wheel == "right"] == pytest.approx([0.5] * 7)
-    assert [v.value for v in found.of("Q") if v.wheel == "right"] == pytest.approx([62e3] * 7)
-    outer = found.of("Y_qst")  # the right wheel in a left curve; three sections of the full curve, no others
+    assessment = assess_runs(forces)
+    assert [v.value for v in assessment.of("sum_Y")] == pytest.approx([33e3] * 7)
+    assert [v.value for v in assessment.of("Y_over_Q") if v.wheel == "right"] == pytest.approx([0.5] * 7)
+    assert [v.value for v in assessment.of("Q") if v.wheel == "right"] == pytest.approx([62e3] * 7)
+    outer = assessment.of("Y_qst")  # the right wheel in a left curve; three sections of the full curve, no others
     assert [(v.wheel, v.section.zone) for v in outer] == [("right", "small radius")] * 3
     assert [v.value for v in outer] == pytest.approx([31e3] * 3)
-    assert [v.value for v in found.of("Q_qst")] == pytest.approx([62e3] * 3)
-    assert found.of("T_gamma")[1].value == pytest.approx(80.0)
-    assert found.of("angle_of_attack")[0].value == pytest.approx(3e-3)
-    assert found.of("lateral_shift")[0].value == pytest.approx(6e-3)
-    assert found.of("unloading")[0].value == pytest.approx(1.0 - 40.0 / 51.0)
-    assert max(v.value for v in found.of("instability")) < 1e-6
+    assert [v.value for v in assessment.of("Q_qst")] == pytest.approx([62e3] * 3)
+    assert assessment.of("T_gamma")[1].value == pytest.approx(80.0)
+    assert assessment.of("angle_of_attack")[0].value == pytest.approx(3e-3)
+    assert assessment.of("lateral_shift")[0].value == pytest.approx(6e-3)
+    assert assessment.of("unloading")[0].value == pytest.approx(1.0 - 40.0 / 51.0)
+    assert max(v.value for v in assessment.of("instability")) < 1e-6
 
 
 def two_curves(first: float, second: float):
@@ -171,10 +171,10 @@ def two_curves(first: float, second: float):
 
 def test_the_limit_of_the_guiding_force_takes_the_mean_radius_of_its_class():
     # five sections of each radius
-    found = assess_runs(run(1150.0, curvature=two_curves(260.0, -390.0)))
-    radii = [abs(v.section.radius) for v in found.of("Y_qst")]
+    assessment = assess_runs(run(1150.0, curvature=two_curves(260.0, -390.0)))
+    radii = [abs(v.section.radius) for v in assessment.of("Y_qst")]
     assert sorted({round(r) for r in radii}) == [260, 390] and len(radii) == 10
-    assert {round(v.limit.value) for v in found.of("Y_qst") if v.limit} == {round(30e3 + 10500e3 / np.mean(radii))}
+    assert {round(v.limit.value) for v in assessment.of("Y_qst") if v.limit} == {round(30e3 + 10500e3 / np.mean(radii))}
     # a class for itself: its own radius, and no step where the next one begins
     alone = assess_runs(run(1150.0, curvature=two_curves(399.9, 500.0)))
     at_399, at_500 = (
@@ -192,16 +192,18 @@ def test_a_large_quotient_of_the_inner_wheel_lowers_the_guiding_force_that_count
     free = forces(0.39)
     assert not free.of("Y_qst_reduced") and not free.passed
     assert all(v.passed is False for v in free.of("Y_qst"))
-    found = forces(0.52)
-    assert [v.value for v in found.of("Y_qst_reduced")] == pytest.approx([70e3 - 50e3 * 0.12] * len(found.of("Y_qst")))
-    assert all(v.passed for v in found.of("Y_qst_reduced")) and all(v.limit is None for v in found.of("Y_qst"))
+    loaded = forces(0.52)
+    assert [v.value for v in loaded.of("Y_qst_reduced")] == pytest.approx(
+        [70e3 - 50e3 * 0.12] * len(loaded.of("Y_qst"))
+    )
+    assert all(v.passed for v in loaded.of("Y_qst_reduced")) and all(v.limit is None for v in loaded.of("Y_qst"))
 
 
 def test_the_combined_load_of_the_outer_rail():
     y, q = (lambda s: (0.0 * s, 55e3 + 0.0 * s)), (lambda s: (Q0 + 0.0 * s, 150e3 + 0.0 * s))
-    found = assess_runs(run(900.0, curvature=curve(300.0), y=y, q=q))
-    assert {round(v.value) for v in found.of("B_qst")} == {round(55e3 + 0.83 * 150e3)}
-    assert {v.passed for v in found.of("B_qst")} == {True}  # 179.5 of 180 kN
+    assessment = assess_runs(run(900.0, curvature=curve(300.0), y=y, q=q))
+    assert {round(v.value) for v in assessment.of("B_qst")} == {round(55e3 + 0.83 * 150e3)}
+    assert {v.passed for v in assessment.of("B_qst")} == {True}  # 179.5 of 180 kN
     assert all(v.limit is None for v in assess_runs(run(900.0, curvature=curve(200.0))).of("B_qst"))
 
 
@@ -212,8 +214,8 @@ def test_curves_of_little_cant_deficiency_may_count_as_straight_track():
         (900.0, 0.04, "large radius"),
         (500.0, 0.2, "small radius"),
     ):
-        found = sections_of(run(900.0, curvature=curve(radius)).dataset, EN.classes, None, limit)
-        assert zone in {s.zone for s in found if s.start < 400.0 < s.end}
+        sections = sections_of(run(900.0, curvature=curve(radius)).dataset, EN.classes, None, limit)
+        assert zone in {s.zone for s in sections if s.start < 400.0 < s.end}
         assert "large radius" in {s.zone for s in sections_of(run(900.0, curvature=curve(1600.0)).dataset, EN.classes)}
 
 
@@ -229,8 +231,8 @@ def uneven(amplitude: float, wave: float, speed: float = 30.0, length: float = 1
 
 
 def test_the_quality_of_track_is_the_deviation_of_its_waves_of_3_to_25_m():
-    found = uneven(2e-3, 9.0)
-    inner = [t for t in found.track if t.section.number == 2]
+    assessment = uneven(2e-3, 9.0)
+    inner = [t for t in assessment.track if t.section.number == 2]
     assert [t.direction for t in inner] == ["lateral", "vertical"]
     assert [t.deviation for t in inner] == pytest.approx([2e-3 / sqrt(2.0)] * 2, rel=2e-3)
     assert [t.largest for t in inner] == pytest.approx([2e-3] * 2, rel=5e-3)
@@ -250,27 +252,27 @@ def test_the_quality_of_track_is_the_deviation_of_its_waves_of_3_to_25_m():
 
 def test_percentiles_are_those_of_the_distribution_of_means_over_two_metres():
     # a force that rises evenly over the section: its 99.85 % percentile is known
-    found = assess_runs(run(250.0, q=lambda s: (40e3 + 100.0 * s, Q0 + 0.0 * s)), NADAL)
-    assert only(found, "Q", "left") == pytest.approx(40e3 + 100.0 * 0.9985 * 250.0, rel=1e-4)
+    assessment = assess_runs(run(250.0, q=lambda s: (40e3 + 100.0 * s, Q0 + 0.0 * s)), NADAL)
+    assert only(assessment, "Q", "left") == pytest.approx(40e3 + 100.0 * 0.9985 * 250.0, rel=1e-4)
 
     def y(s):  # 1 m long, 40 kN, at 10 m/s: slow for the filter
         return np.where(np.abs(s - 100.0) < 0.5, 40e3, 0.0), 0.0 * s
 
-    found = assess_runs(run(110.0, speed=5.0, y=y), NADAL)
-    assert found.signals[""]["sum_Y"].values.max() == pytest.approx(20e3, rel=0.01)
+    assessment = assess_runs(run(110.0, speed=5.0, y=y), NADAL)
+    assert assessment.signals[""]["sum_Y"].values.max() == pytest.approx(20e3, rel=0.01)
 
 
 def test_a_hunting_wheelset_is_found_with_its_frequency_and_rms():
     amplitude, frequency, speed = 30e3, 4.0, 40.0
-    found = assess_runs(
+    assessment = assess_runs(
         run(900.0, speed=speed, y=lambda s: (amplitude * np.sin(2.0 * pi * frequency * s / speed) + 3e3, 0.0 * s))
     )
-    assert found.settings["instability_frequency_Hz"] == pytest.approx(frequency, abs=0.2)
-    assert max(v.value for v in found.of("instability")) == pytest.approx(amplitude / sqrt(2.0), rel=0.03)
-    limit = found.of("instability")[0].limit
+    assert assessment.settings["instability_frequency_Hz"] == pytest.approx(frequency, abs=0.2)
+    assert max(v.value for v in assessment.of("instability")) == pytest.approx(amplitude / sqrt(2.0), rel=0.03)
+    limit = assessment.of("instability")[0].limit
     assert limit is not None and limit.value == pytest.approx(0.5 * (10e3 + 2.0 * Q0 / 3.0))
-    assert any(v.passed is False for v in found.of("sum_Y")) is False
-    assert found.passed is True
+    assert any(v.passed is False for v in assessment.of("sum_Y")) is False
+    assert assessment.passed is True
     faster = assess_runs(run(900.0, speed=speed, y=lambda s: (2.0 * amplitude * np.sin(2.0 * pi * 0.1 * s), 0.0 * s)))
     assert faster.passed is False
     assert all(v.passed is False for v in faster.of("instability"))
@@ -284,12 +286,12 @@ def test_wheelsets_are_assessed_where_they_are_themselves():
     shape = curve(500.0, 200.0, 50.0, 200.0)
     first = run(700.0, curvature=shape, y=y)
     second = run(700.0, curvature=lambda s: shape(s - 10.0), y=lambda s: y(s - 10.0))
-    found = assess_runs(with_wheelsets([first, second], apart=10.0), NADAL)
-    assert found.sections[0].start == pytest.approx(-10.0)
-    assert [s.start for s in found.sections[1:3]] == pytest.approx([200.0, 250.0], abs=0.2)
-    hit = {(v.wheelset, v.section.number) for v in found.of("sum_Y") if v.value > 30e3}
+    assessment = assess_runs(with_wheelsets([first, second], apart=10.0), NADAL)
+    assert assessment.sections[0].start == pytest.approx(-10.0)
+    assert [s.start for s in assessment.sections[1:3]] == pytest.approx([200.0, 250.0], abs=0.2)
+    hit = {(v.wheelset, v.section.number) for v in assessment.of("sum_Y") if v.value > 30e3}
     assert hit == {("1", 3), ("2", 3)}
-    signals = found.signals[""]["sum_Y"].values
+    signals = assessment.signals[""]["sum_Y"].values
     inside = np.isfinite(signals).all(axis=0)
     assert signals[0, inside] == pytest.approx(signals[1, inside], abs=50.0)
 
@@ -300,28 +302,28 @@ def test_accelerations_of_a_car_body_and_of_a_bogie_frame():
     sway = 0.8 * np.sin(2.0 * pi * 1.5 * t) + 1.1  # a constant is not in the band
     heave = 0.6 * np.sin(2.0 * pi * 3.0 * t) + 5.0 * np.sin(2.0 * pi * 60.0 * t)  # 60 Hz: not in the band
     hunting = 6.0 * np.sin(2.0 * pi * 5.0 * t)
-    found = assess_runs(with_points(base, {
+    assessment = assess_runs(with_points(base, {
         "floor": ("car body", np.nan, sway, heave),
         "frame": ("bogie frame", 6e3, hunting, hunting),
         "axle box": ("wheelset", np.nan, 100.0 * hunting, 100.0 * hunting),
     }), NADAL)  # fmt: skip
-    assert {v.point for v in found.values} == {"", "floor", "frame"}
-    inner = [s.number for s in found.sections if s.zone == "small radius"]
+    assert {v.point for v in assessment.values} == {"", "floor", "frame"}
+    inner = [s.number for s in assessment.sections if s.zone == "small radius"]
 
     def of(key: str) -> list[float]:
-        return [v.value for v in found.of(key) if v.section.number in inner]
+        return [v.value for v in assessment.of(key) if v.section.number in inner]
 
     assert of("body_ay") == pytest.approx([0.8] * 3, rel=0.02)
     assert of("body_ay_rms") == pytest.approx([0.8 / sqrt(2.0)] * 3, rel=0.02)
     assert of("body_az") == pytest.approx([0.6] * 3, rel=0.02)
     assert of("body_az_rms") == pytest.approx([0.6 / sqrt(2.0)] * 3, rel=0.02)
     assert of("body_ay_qst") == pytest.approx([1.1] * 3, rel=0.02)
-    assert [z.passed for z in found.zones if z.worst.quantity.key == "body_ay_rms"] == [False] * 3  # 0.57 > 0.5
-    (limit,) = {v.limit for v in found.of("frame_instability")}
+    assert [z.passed for z in assessment.zones if z.worst.quantity.key == "body_ay_rms"] == [False] * 3  # 0.57 > 0.5
+    (limit,) = {v.limit for v in assessment.of("frame_instability")}
     assert limit is not None and limit.value == pytest.approx(0.5 * (12.0 - 6.0 / 5.0))
     band = (1.0 + (sqrt(2.0) - 1.0) * (5.0 / 7.0) ** 8) * (1.0 + (sqrt(2.0) - 1.0) * (3.0 / 5.0) ** 8)  # 3 to 7 Hz at 5
     assert of("frame_instability") == pytest.approx([6.0 / sqrt(2.0) / band] * 3, rel=5e-3)
-    assert found.settings["instability_frequency_frame_Hz"] == pytest.approx(5.0, abs=0.2)
+    assert assessment.settings["instability_frequency_frame_Hz"] == pytest.approx(5.0, abs=0.2)
 
 
 def test_nadals_limit_is_its_closed_form_and_the_longest_stretch_beyond_ends_between_samples():
@@ -350,9 +352,9 @@ def test_a_constructed_derailment_exceeds_every_limit_that_it_should():
     def y(s):  # Y/Q 1.3 on the right wheel over 10 m, a ramp of 2 m before and behind
         return 0.0 * s, 1.3 * Q0 * np.interp(s, [398, 400, 410, 412], [0, 1, 1, 0])
 
-    found = assess_runs(run(900.0, curvature=curve(300.0), y=y), NADAL)
-    assert found.passed is False
-    beyond = {v.quantity.key: v for v in found.values if v.passed is False}
+    assessment = assess_runs(run(900.0, curvature=curve(300.0), y=y), NADAL)
+    assert assessment.passed is False
+    beyond = {v.quantity.key: v for v in assessment.values if v.passed is False}
     assert set(beyond) == {"sum_Y", "Y_over_Q", "Y_over_Q_nadal", "climb_distance"}
     assert all(v.wheel in ("", "right") for v in beyond.values())
     assert beyond["Y_over_Q"].value == pytest.approx(1.3, rel=0.01)
@@ -361,8 +363,8 @@ def test_a_constructed_derailment_exceeds_every_limit_that_it_should():
 
 
 def limit_of(quantity: str, **about) -> float | None:
-    found = EN.about(quantity).limit_at(LimitContext(**about))
-    return found and found.value
+    limit = EN.about(quantity).limit_at(LimitContext(**about))
+    return limit and limit.value
 
 
 def test_limits_are_those_of_the_standards():
@@ -387,25 +389,27 @@ def of_radius(radius: float, guiding: float, scenario: str = "") -> Result:
 
 def test_sections_of_several_runs_count_together():
     several = [of_radius(300.0, 30e3), of_radius(390.0, 40e3), of_radius(330.0, 20e3)]
-    found, alone = assess_runs(several), [assess_runs(one) for one in several]
-    assert [s.number for s in found.sections] == list(range(1, sum(len(a.sections) for a in alone) + 1))
-    assert [s.run for s in found.sections] == [name for name, a in zip("123", alone, strict=True) for _ in a.sections]
-    assert [v.value for v in found.of("Q")] == [v.value for a in alone for v in a.of("Q")]
-    (zone,) = [z for z in found.zones if z.worst.quantity.key == "Y_qst"]
+    together, alone = assess_runs(several), [assess_runs(run_result) for run_result in several]
+    assert [s.number for s in together.sections] == list(range(1, sum(len(a.sections) for a in alone) + 1))
+    assert [s.run for s in together.sections] == [
+        name for name, a in zip("123", alone, strict=True) for _ in a.sections
+    ]
+    assert [v.value for v in together.of("Q")] == [v.value for a in alone for v in a.of("Q")]
+    (zone,) = [z for z in together.zones if z.worst.quantity.key == "Y_qst"]
     assert zone.sections == 6
     # the limit goes by the mean radius of all sections of the class, not by that of each run
-    assert [v.limit.value for v in found.of("Y_qst")] == pytest.approx([30e3 + 10500e3 / 340.0] * 6, rel=1e-3)
+    assert [v.limit.value for v in together.of("Y_qst")] == pytest.approx([30e3 + 10500e3 / 340.0] * 6, rel=1e-3)
     assert zone.worst.section.run == "2" and zone.worst.value == pytest.approx(40e3, rel=1e-3)
 
 
 def test_curves_count_at_cant_deficiencies_of_a_test_only():
     # 72 km/h without cant: 1.5 v^2 / (g R) = 204, 185 and 157 mm in R 300, 331 and 390 m
     several = [of_radius(300.0, 30e3), of_radius(331.0, 40e3), of_radius(390.0, 20e3)]
-    found = assess_runs(several, AssessmentSettings(admissible_deficiency=0.17))  # 127.5 to 187 mm
-    curves = [s for s in found.sections if s.zone == "very small radius"]
+    assessment = assess_runs(several, AssessmentSettings(admissible_deficiency=0.17))  # 127.5 to 187 mm
+    curves = [s for s in assessment.sections if s.zone == "very small radius"]
     assert [s.counts for s in curves] == [False, False, True, True, True, True]
-    assert all(s.counts for s in found.sections if s.zone != "very small radius")
-    (zone,) = [z for z in found.zones if z.worst.quantity.key == "Y_qst"]
+    assert all(s.counts for s in assessment.sections if s.zone != "very small radius")
+    (zone,) = [z for z in assessment.zones if z.worst.quantity.key == "Y_qst"]
     assert (zone.sections, zone.counted, zone.zone.partition(" (")[2]) == (6, 4, "4 of 6)")
     assert zone.mean == pytest.approx(30e3, rel=1e-3)  # of 40 and 20 kN
     assert zone.worst.limit.value == pytest.approx(30e3 + 10500e3 / 360.5, rel=1e-3)
@@ -416,15 +420,15 @@ def test_curves_count_at_cant_deficiencies_of_a_test_only():
 
 
 def test_runs_of_different_vehicles_or_settings_are_no_test():
-    one = run(300.0)
+    passenger = run(300.0)
     with pytest.raises(InputError, match="the runs a and b are not of one vehicle: the first has the wheelsets"):
-        assess_runs([one, with_wheelsets([one, one])], names=("a", "b"))
-    other = of_radius(300.0, 30e3, CURVE + '\n[assessment]\nvehicle_kind = "freight"\n')
+        assess_runs([passenger, with_wheelsets([passenger, passenger])], names=("a", "b"))
+    freight = of_radius(300.0, 30e3, CURVE + '\n[assessment]\nvehicle_kind = "freight"\n')
     with pytest.raises(InputError, match=r"the runs a and b have different \[assessment\]"):
-        assess_runs([one, other], names=("a", "b"))
-    assert assess_runs([one, other], AssessmentSettings()).settings["vehicle_kind"] == "passenger"
+        assess_runs([passenger, freight], names=("a", "b"))
+    assert assess_runs([passenger, freight], AssessmentSettings()).settings["vehicle_kind"] == "passenger"
     with pytest.raises(InputError, match="run b: the result cannot be assessed: it has no Q"):
-        assess_runs([one, Result(one.dataset.drop_vars("Q"))], names=("a", "b"))
+        assess_runs([passenger, Result(passenger.dataset.drop_vars("Q"))], names=("a", "b"))
 
 
 def test_a_run_that_was_stopped_is_assessed_without_its_last_odd_sample():
@@ -447,13 +451,13 @@ def test_the_travel_of_bump_stops_is_compared_with_the_ends_of_their_tables():
         suspension_stop_min=("suspension", [-0.065, -0.065, np.nan]),
         suspension_stop_max=("suspension", [0.010, 0.065, np.nan]),
     ).assign_coords(suspension=["one-sided", "even", "spring"])
-    found = {v.point: v for v in assess_runs(Result(moved), NADAL).of("bump_stop")}
-    assert set(found) == {"one-sided", "even"}
-    assert found["one-sided"].value == pytest.approx(0.02, rel=1e-3)  # towards the end at 10 mm, though -20 is as far
-    assert found["one-sided"].limit.value == pytest.approx(0.010)
-    assert found["one-sided"].passed is False
-    assert found["even"].value == pytest.approx(0.04, rel=1e-3)
-    assert found["even"].margin == pytest.approx(1.0 - 40.0 / 65.0, rel=1e-3)
+    travels = {v.point: v for v in assess_runs(Result(moved), NADAL).of("bump_stop")}
+    assert set(travels) == {"one-sided", "even"}
+    assert travels["one-sided"].value == pytest.approx(0.02, rel=1e-3)  # towards the end at 10 mm, though -20 is as far
+    assert travels["one-sided"].limit.value == pytest.approx(0.010)
+    assert travels["one-sided"].passed is False
+    assert travels["even"].value == pytest.approx(0.04, rel=1e-3)
+    assert travels["even"].margin == pytest.approx(1.0 - 40.0 / 65.0, rel=1e-3)
 
 
 # Estimated values by regression: known coefficients, bounds that hold as often as they say.
@@ -479,9 +483,9 @@ def force(known: dict) -> np.ndarray:
 
 def test_values_without_scatter_give_back_their_coefficients():
     known = sections(30, np.random.default_rng(SEED))
-    found = regression(force(known), known, tuple(SLOPES), AT, 2.2)
-    assert dict(zip(found.over, found.slope, strict=True)) == pytest.approx(SLOPES, rel=1e-9)
-    assert (found.fit, found.estimate) == pytest.approx((force(AT),) * 2, rel=1e-9)
+    fitted = regression(force(known), known, tuple(SLOPES), AT, 2.2)
+    assert dict(zip(fitted.over, fitted.slope, strict=True)) == pytest.approx(SLOPES, rel=1e-9)
+    assert (fitted.fit, fitted.estimate) == pytest.approx((force(AT),) * 2, rel=1e-9)
     # without a place the largest of the sections
     assert regression(force(known), known, ("speed",), {}, 2.2).point == (known["speed"].max(),)
 
@@ -491,25 +495,25 @@ def test_one_influence_has_the_bound_of_textbooks():
     known = sections(25, generator)
     x = known["cant_deficiency"]
     y = 30e3 + 2e5 * x + generator.normal(0.0, 1.5e3, x.size)
-    found = regression(y, known, ("cant_deficiency",), AT, 3.0)
+    fitted = regression(y, known, ("cant_deficiency",), AT, 3.0)
     slope, intercept = np.polyfit(x, y, 1)
     residuals = y - intercept - slope * x
     s = np.sqrt(np.sum(residuals**2) / (x.size - 2))
     wide = np.sqrt(1.0 + 1.0 / x.size + (0.165 - x.mean()) ** 2 / np.sum((x - x.mean()) ** 2))
     fit = intercept + slope * 0.165
-    assert (found.slope[0], found.deviation, found.fit) == pytest.approx((slope, s, fit), rel=1e-9)
+    assert (fitted.slope[0], fitted.deviation, fitted.fit) == pytest.approx((slope, s, fit), rel=1e-9)
     t = stdtrit(x.size - 2, ndtr(3.0))
-    assert found.estimate == pytest.approx(fit + t * s * wide, rel=1e-9)
-    assert regression(y, known, ("cant_deficiency",), AT, 0.0).estimate == pytest.approx(found.fit, rel=1e-12)
+    assert fitted.estimate == pytest.approx(fit + t * s * wide, rel=1e-9)
+    assert regression(y, known, ("cant_deficiency",), AT, 0.0).estimate == pytest.approx(fitted.fit, rel=1e-12)
 
 
 @pytest.mark.parametrize("k", [3.0, 2.2])
 def test_without_influences_many_sections_give_the_one_dimensional_method(k):
     y = np.random.default_rng(SEED).normal(40e3, 2e3, 200_000)
-    found = regression(y, sections(y.size, np.random.default_rng(1)), (), {}, k)
-    assert found.over == ()
-    assert found.fit == pytest.approx(y.mean()) and found.deviation == pytest.approx(y.std(ddof=1))
-    assert found.estimate == pytest.approx(y.mean() + k * y.std(ddof=1), rel=1e-5)
+    fitted = regression(y, sections(y.size, np.random.default_rng(1)), (), {}, k)
+    assert fitted.over == ()
+    assert fitted.fit == pytest.approx(y.mean()) and fitted.deviation == pytest.approx(y.std(ddof=1))
+    assert fitted.estimate == pytest.approx(y.mean() + k * y.std(ddof=1), rel=1e-5)
 
 
 def test_influences_that_go_together_or_do_not_vary_are_told_apart():
@@ -532,14 +536,14 @@ SETTINGS = AssessmentSettings(estimate_over=("cant_deficiency", "speed"), estima
 
 
 def test_an_assessment_estimates_at_a_cant_deficiency_beyond_that_of_the_run():
-    found = assess_runs(run(3000.0, **CANTED), SETTINGS)
-    (zone,) = [z for z in found.zones if z.worst.quantity.key == "sum_Y"]
+    assessment = assess_runs(run(3000.0, **CANTED), SETTINGS)
+    (zone,) = [z for z in assessment.zones if z.worst.quantity.key == "sum_Y"]
     fitted = zone.regression
     assert fitted.over == ("cant_deficiency",)  # the speed stays
     # neighbours reach into a section by half a window and what the filter swings over
     assert fitted.slope[0] == pytest.approx(1e5, rel=0.05) and fitted.fit == pytest.approx(35e3, rel=0.02)
     assert zone.estimate == fitted.estimate > fitted.fit
-    row = next(z for z in json.loads(assessment_json(found))["zones"] if z["worst"]["quantity"] == "sum_Y")
+    row = next(z for z in json.loads(assessment_json(assessment))["zones"] if z["worst"]["quantity"] == "sum_Y")
     (over,) = row["regression"]["over"]
     assert (over["influence"], over["unit"], over["at"]) == ("cant_deficiency", "mm", pytest.approx(150.0))
     assert over["slope"] == pytest.approx(0.1, rel=0.05)

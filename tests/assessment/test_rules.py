@@ -34,8 +34,8 @@ def assessed(rules: str, results: Result, settings: AssessmentSettings = FLANGE)
     return assess_runs(results, settings, rules=rules)
 
 
-def worst(found: Assessment, quantity: str) -> float:
-    values = [v.value for v in found.of(quantity)]
+def worst(assessment: Assessment, quantity: str) -> float:
+    values = [v.value for v in assessment.of(quantity)]
     return min(values) if QUANTITIES[quantity].lowest else max(values)
 
 
@@ -47,10 +47,10 @@ def of_bogie(results: list[Result], apart: float = 2.5) -> Result:
 def test_a_value_counts_as_far_as_it_is_held_over_5_ft():
     # over a window w a tent of base b holds h (1 - w/b)
     base, height = 12.0, 0.9 * Q0
-    found = assessed("49cfr238", run(300.0, 5.0, y=lambda s: (0.0 * s, tent(height, base)(s))))
+    assessment = assessed("49cfr238", run(300.0, 5.0, y=lambda s: (0.0 * s, tent(height, base)(s))))
     held = height * (1.0 - FEET_5 / base)
-    assert worst(found, "Y_over_Q_nadal") == pytest.approx(held / Q0, rel=5e-3)
-    assert worst(found, "sum_Y_share") == pytest.approx(held / (2.0 * Q0), rel=5e-3)
+    assert worst(assessment, "Y_over_Q_nadal") == pytest.approx(held / Q0, rel=5e-3)
+    assert worst(assessment, "sum_Y_share") == pytest.approx(held / (2.0 * Q0), rel=5e-3)
     # one that is shorter than the window counts for nothing
     short = assessed("49cfr238", run(300.0, 5.0, y=lambda s: (0.0 * s, tent(height, 1.4)(s))))
     assert worst(short, "Y_over_Q_nadal") < 0.02 and short.passed
@@ -59,12 +59,12 @@ def test_a_value_counts_as_far_as_it_is_held_over_5_ft():
 def test_a_wheel_load_counts_as_far_as_it_is_missing_over_5_ft():
     base = 12.0
     unloaded = of_bogie([run(300.0, 5.0, q=lambda s: (Q0 - tent(0.99 * Q0, base)(s), Q0 + 0.0 * s))] * 2, 0.0)
-    found = assessed("49cfr238", unloaded)
+    assessment = assessed("49cfr238", unloaded)
     left = 1.0 - 0.99 * (1.0 - FEET_5 / base)
-    assert worst(found, "Q_share") == pytest.approx(left, abs=5e-3)
+    assert worst(assessment, "Q_share") == pytest.approx(left, abs=5e-3)
     # two wheels of a side over the load of a wheelset
-    assert worst(found, "side_Q_share") == pytest.approx(left, abs=5e-3)
-    (share,) = [z for z in found.zones if z.worst.quantity.key == "side_Q_share"]
+    assert worst(assessment, "side_Q_share") == pytest.approx(left, abs=5e-3)
+    (share,) = [z for z in assessment.zones if z.worst.quantity.key == "side_Q_share"]
     assert (share.worst.wheel, share.worst.point, share.passed) == ("left", "frame", False)
     assert share.margin == pytest.approx((left - 0.2) / 0.8, abs=5e-3)
 
@@ -72,8 +72,8 @@ def test_a_wheel_load_counts_as_far_as_it_is_missing_over_5_ft():
 def test_the_side_of_a_bogie_has_the_quotient_of_the_sums():
     first = run(300.0, y=lambda s: (0.0 * s, 0.8 * Q0 + 0.0 * s))
     second = run(300.0, y=lambda s: (0.0 * s, 0.2 * Q0 + 0.0 * s), q=lambda s: (Q0 + 0.0 * s, 1.5 * Q0 + 0.0 * s))
-    found = assessed("49cfr238", of_bogie([first, second]))
-    assert worst(found, "side_Y_over_Q") == pytest.approx(1.0 / 2.5, rel=1e-6)
+    assessment = assessed("49cfr238", of_bogie([first, second]))
+    assert worst(assessment, "side_Y_over_Q") == pytest.approx(1.0 / 2.5, rel=1e-6)
     without = assessed("49cfr238", with_wheelsets([first, second], 2.5))
     assert not without.of("side_Y_over_Q") and any("which bogie" in note for note in without.notes)
 
@@ -125,13 +125,13 @@ def test_the_way_beyond_nadals_limit_counts_by_the_distance_to_climb(yaw, attack
         return 0.0 * s, Q0 * (limit + np.interp(s, [99.9, 100.1, 102.9, 103.1], [-0.5, 0.5, 0.5, -0.5]))
 
     climbing = run(300.0, 5.0, y=y, yaw=lambda s: yaw + 0.0 * s)
-    found = assessed("en14363", climbing, settings)
+    assessment = assessed("en14363", climbing, settings)
     need = distance_to_climb(np.array([-yaw]), radians(72.0), 0.018)[
         0
     ]  # the right flange attacks with a yaw to the right
-    assert worst(found, "climb_share") == pytest.approx(worst(found, "climb_distance") / need, rel=1e-6)
-    assert worst(found, "climb_distance") == pytest.approx(3.0, abs=0.05)
-    assert (worst(found, "climb_share") > 1.0) == attacks
+    assert worst(assessment, "climb_share") == pytest.approx(worst(assessment, "climb_distance") / need, rel=1e-6)
+    assert worst(assessment, "climb_distance") == pytest.approx(3.0, abs=0.05)
+    assert (worst(assessment, "climb_share") > 1.0) == attacks
     assert not assessed("en14363", climbing, FLANGE).of("climb_share")  # the flange's length is not given
 
 
@@ -139,9 +139,9 @@ def test_a_flange_that_tcrp_71_does_not_know_has_no_distance_to_climb_and_a_note
     assert np.isnan(distance_to_climb(np.zeros(2), radians(76.5), 0.018)).all()
     assert np.isfinite(distance_to_climb(np.array([-1e-3, 1e-3]), radians(60.0), 0.018)).all()
     settings = AssessmentSettings(friction=0.5, flange_angle=radians(76.5), flange_length=0.018)
-    found = assessed("en14363", run(300.0, 5.0), settings)
-    assert not found.of("climb_share")
-    assert "distance to climb: TCRP 71 has it for 60 to 76°, not for 76.5°" in found.notes
+    assessment = assessed("en14363", run(300.0, 5.0), settings)
+    assert not assessment.of("climb_share")
+    assert "distance to climb: TCRP 71 has it for 60 to 76°, not for 76.5°" in assessment.notes
 
 
 def test_every_set_that_is_shipped_has_a_source_for_every_limit():
@@ -156,32 +156,32 @@ OWN = (DATA / "rules.toml").read_text()
 
 @pytest.mark.usefixtures("unpainted")
 def test_a_set_of_the_users_own_judges(tmp_path):
-    own = tmp_path / "own.toml"
-    own.write_text(OWN)
-    found = assess_runs(run(900.0, curvature=curve(300.0)), FLANGE, rules=own)
-    assert {(v.section.zone, v.passed) for v in found.values} == {
+    rules_file = tmp_path / "own.toml"
+    rules_file.write_text(OWN)
+    assessment = assess_runs(run(900.0, curvature=curve(300.0)), FLANGE, rules=rules_file)
+    assert {(v.section.zone, v.passed) for v in assessment.values} == {
         ("straight", None), ("transition", None), ("bends", False),
     }  # fmt: skip
     run(400.0, curvature=curve(300.0, 100.0, 50.0, 100.0)).save(tmp_path / "result.nc")
-    ok("assess", tmp_path, "--rules", own)
+    ok("assess", tmp_path, "--rules", rules_file)
     ok("assess", tmp_path, "--rules", "49CFR238", "--force")
 
 
 @pytest.mark.parametrize(("right", "wrong", "message"), table("a_mistake_in_a_set_is_one_line"))
 def test_a_mistake_in_a_set_is_one_line(tmp_path, right, wrong, message):
-    own = tmp_path / "own.toml"
-    own.write_text(OWN.replace(right, wrong))
+    rules_file = tmp_path / "own.toml"
+    rules_file.write_text(OWN.replace(right, wrong))
     with pytest.raises(InputError, match=message) as caught:
-        rule_set(own)
+        rule_set(rules_file)
     assert len(str(caught.value).splitlines()) == 1
 
 
 def test_two_clauses_about_one_quantity_and_an_unknown_set_are_refused(tmp_path):
-    own = tmp_path / "own.toml"
+    rules_file = tmp_path / "own.toml"
     text = (FOLDER / "49cfr238.toml").read_text()
-    own.write_text(text.replace('"sum_Y_share"', '"Q_share"'))
+    rules_file.write_text(text.replace('"sum_Y_share"', '"Q_share"'))
     with pytest.raises(InputError, match=r"clauses\[2\].quantity: .Q_share.: is that of clauses\[1\]"):
-        rule_set(own)
+        rule_set(rules_file)
     run(300.0).save(tmp_path / "result.nc")
     assert 'did you mean "49cfr238"' in refusal("assess", tmp_path, "--rules", "49cfr328")
     assert "no such rule set" in refusal("assess", tmp_path, "--rules", tmp_path / "none.toml")
@@ -193,10 +193,10 @@ def test_the_scenario_names_its_rule_set_and_studies_go_by_it():
     force = run(300.0, y=lambda s: (0.2 * Q0 + 0.0 * s, 0.0 * s), attributes={"scenario_text": named})
     assert assess_runs(force).rules.name == "49 CFR 238"
     assert assess_runs(force, rules="uic518").rules.name == "UIC 518"
-    found = case_outputs(force, OutputsSection(assessment=("sum_Y_share", "Q_share", "sum_Y")), None)
-    assert found.numbers["assessment_sum_Y_share"] == pytest.approx(0.1)
-    assert found.numbers["assessment_Q_share_margin"] == pytest.approx(1.0)
-    assert [fault.partition(" has ")[0] for fault in found.faults] == [
+    outputs = case_outputs(force, OutputsSection(assessment=("sum_Y_share", "Q_share", "sum_Y")), None)
+    assert outputs.numbers["assessment_sum_Y_share"] == pytest.approx(0.1)
+    assert outputs.numbers["assessment_Q_share_margin"] == pytest.approx(1.0)
+    assert [fault.partition(" has ")[0] for fault in outputs.faults] == [
         'outputs.assessment: "sum_Y": 49 CFR 238 Appendix C, suspension system safety'
     ]
     with pytest.raises(InputError, match=r'assessment.rules = "49cfr283": must be .*did you mean "49cfr238"'):

@@ -229,19 +229,19 @@ def test_a_terminal_that_cannot_take_every_letter_gets_what_it_can(folder: Path)
     assert "Kurve \\xe4" in done.stdout
 
 
-@pytest.mark.parametrize(("arguments", "words"), table("wrong_usage_is_json_for_machines"))
-def test_wrong_usage_is_json_for_machines(arguments: tuple[str, ...], words: str) -> None:
+@pytest.mark.parametrize(("arguments", "message"), table("wrong_usage_is_json_for_machines"))
+def test_wrong_usage_is_json_for_machines(arguments: tuple[str, ...], message: str) -> None:
     done = forked(*arguments)
     error = json.loads(done.stdout)["error"]
     assert done.returncode == error["exit_code"] == 2
     assert error["kind"] == "UsageError"
-    assert words in error["messages"][0]
+    assert message in error["messages"][0]
     assert done.stderr == ""
 
 
-@pytest.mark.parametrize(("left", "waited", "words"), [
+@pytest.mark.parametrize(("left", "waited", "text"), [
     (90.0, 0.0, "1.5 min left"), (1.0, 0.0, "1 s left"), (10.0, 8.0, "2 s left"), (float("inf"), 50.0, ""),
     (1.0, 45.0, "45 s since the last step, longer than expected"),
 ])  # fmt: skip
-def test_the_time_left_runs_down_and_is_withdrawn_when_it_is_over(left: float, waited: float, words: str) -> None:
-    assert console.time_left(left, waited) == words
+def test_the_time_left_runs_down_and_is_withdrawn_when_it_is_over(left: float, waited: float, text: str) -> None:
+    assert console.time_left(left, waited) == text

@@ -57,16 +57,16 @@ def dataset(folder: Path) -> xr.Dataset:
 @pytest.fixture(scope="module")
 def samples(dataset: xr.Dataset) -> dict[tuple[str, ...], xr.Variable]:
     """Every row of numbers or words over the samples, by the words of its name: channel, wheelset, wheel, ..."""
-    found = {}
-    names = {dim: [str(own).replace(" ", "_") for own in dataset[dim].values] for dim in dataset.dims}
+    rows = {}
+    names = {dim: [str(label).replace(" ", "_") for label in dataset[dim].values] for dim in dataset.dims}
     for name, data in dataset.variables.items():
         if data.dims[:1] == ("time",) and "strip" not in data.dims:
-            others = data.dims[1:]
-            for place in product(*(range(dataset.sizes[dim]) for dim in others)):
-                at = dict(zip(others, place, strict=True))
-                found[str(name), *(names[dim][i] for dim, i in at.items())] = data.isel(at)
-    assert len(found) > 30
-    return found
+            inner_dims = data.dims[1:]
+            for place in product(*(range(dataset.sizes[dim]) for dim in inner_dims)):
+                indices = dict(zip(inner_dims, place, strict=True))
+                rows[str(name), *(names[dim][i] for dim, i in indices.items())] = data.isel(indices)
+    assert len(rows) > 30
+    return rows
 
 
 def in_si(values: Any, unit: str, variable: xr.Variable) -> np.ndarray[Any, np.dtype[Any]]:
@@ -77,19 +77,21 @@ def in_si(values: Any, unit: str, variable: xr.Variable) -> np.ndarray[Any, np.d
 
 
 def test_matlab_gets_every_channel_with_its_dimensions(folder: Path, dataset: xr.Dataset) -> None:
-    found = loadmat(folder / "result.mat", squeeze_me=False, struct_as_record=False)
-    channels, units, dimensions = (found[part][0, 0] for part in ("channels", "units", "dimensions"))
+    exported = loadmat(folder / "result.mat", squeeze_me=False, struct_as_record=False)
+    channels, units, dimensions = (exported[part][0, 0] for part in ("channels", "units", "dimensions"))
     for name, variable in dataset.variables.items():
-        own, values = getattr(channels, str(name)), variable.values
-        words = values.dtype.kind in "UO"
+        cells, values = getattr(channels, str(name)), variable.values
+        is_text = values.dtype.kind in "UO"
         shape = values.shape if values.ndim > 1 else (values.size, 1)
-        if words:
-            assert [cell.item() if cell.size else "" for cell in own.ravel()] == [str(w) for w in values.ravel()], name
+        if is_text:
+            assert [cell.item() if cell.size else "" for cell in cells.ravel()] == [str(w) for w in values.ravel()], (
+                name
+            )
         else:
-            np.testing.assert_array_equal(own, values.reshape(shape), err_msg=str(name))
+            np.testing.assert_array_equal(cells, values.reshape(shape), err_msg=str(name))
         assert "".join(getattr(units, str(name)).ravel()) == variable.attrs.get("units", "")
         assert [cell.item() for cell in getattr(dimensions, str(name)).ravel()] == list(variable.dims)
-    assert found["about"][0, 0].title.item() == dataset.attrs["title"]
+    assert exported["about"][0, 0].title.item() == dataset.attrs["title"]
 
 
 def test_the_table_has_a_column_for_every_row_of_samples(folder: Path, samples: dict[tuple[str, ...], Any]) -> None:
@@ -97,8 +99,8 @@ def test_the_table_has_a_column_for_every_row_of_samples(folder: Path, samples: 
     units = frame(Result.load(folder).dataset).attrs["units"]
     table = pd.read_csv(folder / "result.csv", keep_default_na=False, na_values=[""])
     left = set(table.columns)
-    for words, variable in samples.items():
-        name = "_".join(words)
+    for label, variable in samples.items():
+        name = "_".join(label)
         (column,) = left & {name, *(f"{name}_{suffix}" for suffix in SUFFIXES)}
         left.remove(column)
         if variable.dtype.kind in "UO":

@@ -56,8 +56,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_command_prints_what_it_printed(name: str, folder: Path, tmp_path: Path) -> None:
-    words = COMMANDS[name].replace("DIR", str(folder)).replace("OUT", str(tmp_path)).split()
-    done = CliRunner().invoke(app, words, env={"COLUMNS": "160", "NO_COLOR": "1"})
+    arguments = COMMANDS[name].replace("DIR", str(folder)).replace("OUT", str(tmp_path)).split()
+    done = CliRunner().invoke(app, arguments, env={"COLUMNS": "160", "NO_COLOR": "1"})
     text = done.output.replace(str(folder), "DIR").replace(str(tmp_path), "OUT").replace(str(ROOT), "ROOT")
     left = sorted(str(file.relative_to(tmp_path)) for file in tmp_path.rglob("*") if file.is_file())
     text = "\n".join([re.sub(r" +\n", "\n", text), *left, ""])

@@ -70,14 +70,14 @@ def test_a_schema_finds_a_slip(kind: str, file: str, slip: dict[str, Any]) -> No
 
 def test_editors_find_a_schema_for_every_shipped_file_and_it_accepts_them() -> None:
     rules = tomllib.loads((ROOT / ".taplo.toml").read_text())["rule"]
-    found = set()
+    accepted = set()
     for rule in rules:
         schema = Draft7Validator(json.loads((ROOT / rule["schema"]["path"]).read_text()))
         for file in (file for pattern in rule["include"] for file in ROOT.glob(pattern)):
             assert faults(schema, tomllib.loads(file.read_text())) == [], file
-            found.add(file)
+            accepted.add(file)
     shipped = {*(ROOT / "models").rglob("*.toml"), *(ROOT / "scenarios").rglob("*.toml")}
-    assert shipped - found == set()
+    assert shipped - accepted == set()
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -147,8 +147,8 @@ def test_an_unknown_template_or_key_names_what_there_is() -> None:
     assert "did you mean 'contact'?" in refusal("keys", "contcat")
     assert "did you mean 'study'?" in refusal("keys", "--file", "stduy")
     assert ok("keys", "--file", "service").output == ok("keys", "--file", "evolution").output
-    found = json.loads(call("keys", "run", "--json").output)
-    assert {e["key"] for e in found["[run]"]} >= {"step_us", "output_interval_ms"}
+    listing = json.loads(call("keys", "run", "--json").output)
+    assert {e["key"] for e in listing["[run]"]} >= {"step_us", "output_interval_ms"}
     alone = call("keys", "contact.normal").output
     assert "normal" in alone and "friction" not in alone
     assert call("keys", "contact.normal_model").output == alone
@@ -162,8 +162,12 @@ def test_examples_of_keys_are_values_that_they_take() -> None:
     for table in tables:
         for entry in entries(table):
             assert '"..."' not in entry.example, f"{entry.table} {entry.key} has no example"
-            given = numbers.get(table.header, {}).get(entry.key, numbers.get(entry.key))
-            if given is not None and entry.default in ("needed", "none", "") and entry.example == shown_value(given):
+            example = numbers.get(table.header, {}).get(entry.key, numbers.get(entry.key))
+            if (
+                example is not None
+                and entry.default in ("needed", "none", "")
+                and entry.example == shown_value(example)
+            ):
                 used |= {(table.header, entry.key), entry.key}
     for key, value in numbers.items():
         keys = [(key, inner) for inner in value] if isinstance(value, dict) else [key]
@@ -182,6 +186,6 @@ def test_other_names_are_those_of_keys() -> None:
         assert names.keys() <= fields[name], f"{name} has no keys {names.keys() - fields[name]}"
 
 
-@pytest.mark.parametrize(("command", "file", "words"), table("a_file_of_another_kind_is_named_as_what_it_is"))
-def test_a_file_of_another_kind_is_named_as_what_it_is(command: str, file: str, words: str) -> None:
-    assert refusal(command, ROOT / file).strip() == f"{ROOT / file}: {words}"
+@pytest.mark.parametrize(("command", "file", "message"), table("a_file_of_another_kind_is_named_as_what_it_is"))
+def test_a_file_of_another_kind_is_named_as_what_it_is(command: str, file: str, message: str) -> None:
+    assert refusal(command, ROOT / file).strip() == f"{ROOT / file}: {message}"

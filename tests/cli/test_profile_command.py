@@ -22,17 +22,17 @@ def files():
 
 def test_the_report_tells_noise_from_shape(files):
     reading = read_points(files[1], "rail", measured=True)
-    found = report_smoothing(reading).numbers()
-    assert 1e-6 * found["scatter_um"] == pytest.approx(NOISE, rel=0.1)
+    numbers = report_smoothing(reading).numbers()
+    assert 1e-6 * numbers["scatter_um"] == pytest.approx(NOISE, rel=0.1)
     # what was taken away is the noise, and no more
-    assert 1e-6 * found["rms_change_um"] == pytest.approx(NOISE, rel=0.1)
-    assert found["largest_curvature_before_1_per_m"] > 5e3  # a radius of 0.2 mm
+    assert 1e-6 * numbers["rms_change_um"] == pytest.approx(NOISE, rel=0.1)
+    assert numbers["largest_curvature_before_1_per_m"] > 5e3  # a radius of 0.2 mm
     # the sharpest of the worn corner, R 13 and the wear on it
-    assert found["largest_curvature_after_1_per_m"] == pytest.approx(90.0, rel=0.1)
-    assert found["at_u_mm"] == pytest.approx(-28.0, abs=2.0)
-    assert 2.5 * NOISE < 1e-6 * found["largest_change_um"] < 6.0 * NOISE
-    u = float(files[1].read_text().splitlines()[int(found["largest_change_at_line"]) - 1].split()[0])
-    assert found["largest_change_at_u_mm"] == pytest.approx(u, abs=1e-9)
+    assert numbers["largest_curvature_after_1_per_m"] == pytest.approx(90.0, rel=0.1)
+    assert numbers["at_u_mm"] == pytest.approx(-28.0, abs=2.0)
+    assert 2.5 * NOISE < 1e-6 * numbers["largest_change_um"] < 6.0 * NOISE
+    u = float(files[1].read_text().splitlines()[int(numbers["largest_change_at_line"]) - 1].split()[0])
+    assert numbers["largest_change_at_u_mm"] == pytest.approx(u, abs=1e-9)
     # a cut-off that is too long takes shape away: the change exceeds the scatter
     blunt = report_smoothing(read_points(files[1], "rail", measured=True, cutoff=15e-3)).numbers()
     assert blunt["rms_change_um"] > 1.5 * blunt["scatter_um"]
@@ -43,16 +43,16 @@ def test_the_command_compares_cutoffs(files, tmp_path):
     result = ok(
         "profile", files[1], "--kind", "rail", "--cutoff", 3.5, "--cutoff", 10, "-o", tmp_path / "rail.png", "--json"
     )
-    found = json.loads(result.stdout)
-    assert Path(found["files"][0]).read_bytes().startswith(b"\x89PNG")
-    fine, coarse = found["smoothing"]
+    answer = json.loads(result.stdout)
+    assert Path(answer["files"][0]).read_bytes().startswith(b"\x89PNG")
+    fine, coarse = answer["smoothing"]
     assert (fine["cutoff_mm"], coarse["cutoff_mm"]) == (3.5, 10.0)
     assert fine["rms_change_um"] < coarse["rms_change_um"]
     assert fine["largest_curvature_before_1_per_m"] == coarse["largest_curvature_before_1_per_m"]
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    ("arguments", "message"),
     [
         ((MODELS / "rails/60E1.toml", "--cutoff", 5), "is a shape by formula, with no points to smooth"),
         (("rail", "--cutoff", 0), "--cutoff 0: must be a number above 0 and at most 100"),
@@ -62,9 +62,9 @@ def test_the_command_compares_cutoffs(files, tmp_path):
         (("rail", "--exact"), "measured = true (--measured)"),
     ],
 )
-def test_what_cannot_be_smoothed_is_answered(files, tmp_path, words, message):
-    words = [files[1] if word == "rail" else word for word in words]
-    result = call("profile", *words, "--kind", "rail", "-o", tmp_path / "out.png")
+def test_what_cannot_be_smoothed_is_answered(files, tmp_path, arguments, message):
+    arguments = [files[1] if word == "rail" else word for word in arguments]
+    result = call("profile", *arguments, "--kind", "rail", "-o", tmp_path / "out.png")
     assert result.exit_code == 2
     assert message in " ".join(result.stderr.split())
     assert not (tmp_path / "out.png").exists()

@@ -68,9 +68,9 @@ def test_what_a_workshop_measures_follows_the_points_and_the_head_is_compared(wr
     path = write(
         miniprof(moved(nodes(sharp, 0.2e-3), BACK), "Sd=33.00\nSh=28.00\nqR=1,0\nColumnDef=X,Y\n"), "sharp.whl"
     )
-    found = read_points(path, cutoff=15e-3)
-    assert measures(found.close) == pytest.approx(expected, abs=0.01)
-    assert max(np.abs(np.subtract(measures(found.profile), expected))) > 0.01
+    reading = read_points(path, cutoff=15e-3)
+    assert measures(reading.close) == pytest.approx(expected, abs=0.01)
+    assert max(np.abs(np.subtract(measures(reading.profile), expected))) > 0.01
     notes = json.loads(ok("profile", path, "-o", tmp_path / "o.png", "--json").stdout)["notes"]
     (head,) = [note for note in notes if "in its head" in note]
     assert "Sd" in head and "Sh" not in head and "qR" in head
@@ -82,12 +82,12 @@ def test_the_key_of_a_points_file_aligns_too_and_a_scan_without_these_parts_is_r
     head = 'name = "scan"\nbody = "wheel"\nkind = "points"\ndate = 2026-11-28\nsource = "test"\n'
     path = write(head + 'file = "scan.whl"\nalign = "wheels/S1002.toml"\n', "scan.toml")
     assert measures(load_profile(path)) == pytest.approx(S1002, abs=0.06)
-    found = json.loads(
+    answer = json.loads(
         ok(
             "profile", path.with_suffix(".whl"), "--align", "wheels/S1002.toml", "-o", tmp_path / "o.png", "--json"
         ).stdout
     )
-    assert any("aligned on S1002: moved by -12" in note for note in found["notes"])
+    assert any("aligned on S1002: moved by -12" in note for note in answer["notes"])
     middle = POINTS[(POINTS[:, 0] > -54.0) & (POINTS[:, 0] < 44.0)]
     with pytest.raises(InputError, match=r"cannot be aligned: .* points on the parts of S1002 that do not wear"):
         read_points(write(miniprof(middle), "scan.whl"), align=WHEEL)

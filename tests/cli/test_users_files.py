@@ -166,13 +166,13 @@ def test_a_second_run_into_a_folder_in_use_changes_nothing_there(scenario: Path,
     out = tmp_path / "out"
     assert call("run", scenario, "-o", out, "--no-pictures").exit_code == 0
     before = contents(out)
-    other = _written(tmp_path / "other.toml", CURVE.replace("a curve", "another"))
+    second_scenario = _written(tmp_path / "other.toml", CURVE.replace("a curve", "another"))
     with Manifest(out).locked():
-        refused = call("run", other, "-o", out, "--no-pictures")
+        refused = call("run", second_scenario, "-o", out, "--no-pictures")
     assert refused.exit_code == 2
     assert "another run is writing into it" in refused.stderr
     assert contents(out) == before
-    assert call("run", other, "-o", out, "--no-pictures").exit_code == 0, "the lock is gone with its holder"
+    assert call("run", second_scenario, "-o", out, "--no-pictures").exit_code == 0, "the lock is gone with its holder"
 
 
 def test_tables_and_pictures_belong_to_the_run_until_they_are_there(scenario, tmp_path, monkeypatch, analysed):
@@ -206,16 +206,16 @@ def test_what_a_killed_run_had_not_finished_goes_and_nothing_else(scenario: Path
     out = tmp_path / "out"
     out.mkdir()
     unfinished = [".history.csv.0a1b2c3d.part", ".result.nc.k2_x9abc.part"]
-    own = [".notes.part", "history.csv.0a1b2c3d.part", ".history.csv.0a1b2c3d.parts"]
-    for name in (*unfinished, *own):
+    users_files = [".notes.part", "history.csv.0a1b2c3d.part", ".history.csv.0a1b2c3d.parts"]
+    for name in (*unfinished, *users_files):
         (out / name).write_text("begun")
     if LINKS:
-        own.append(".link.csv.0a1b2c3d.part")
-        (out / own[-1]).symlink_to(out / own[0])
+        users_files.append(".link.csv.0a1b2c3d.part")
+        (out / users_files[-1]).symlink_to(out / users_files[0])
     ok("run", scenario, "-o", out)
     left = {path.name for path in out.iterdir()}
     assert not left & set(unfinished)
-    assert left >= {*own}
+    assert left >= {*users_files}
 
 
 def test_a_folder_deleted_during_a_run_is_made_anew(scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

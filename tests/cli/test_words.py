@@ -62,8 +62,8 @@ def test_the_track_shifting_force_and_the_balance_of_energy_are_told(run: Result
     (table,) = (table for table in result.numbers() if table.title == "Energy balance")
     rows = dict(table.rows)
     assert abs(rows.pop("stored elastically, rest")) < 1e-6
-    found = {"traction work": 1000.0, "lost in creep": 250.0, "change of kinetic energy": 750.0}
-    assert rows == pytest.approx(found, rel=1e-3)
+    balance = {"traction work": 1000.0, "lost in creep": 250.0, "change of kinetic energy": 750.0}
+    assert rows == pytest.approx(balance, rel=1e-3)
 
 
 @pytest.mark.parametrize("columns", [40, 78, 200])
@@ -73,8 +73,8 @@ def test_no_number_of_a_table_is_cut_however_narrow_the_terminal(columns: int, c
     on_terminal([Table("", tuple(map(Column, ("wheel", "derailment quotient", "difference %"))), rows)])
     told = capsys.readouterr().out
     assert all(cell in told for row in rows for cell in row) and "…" not in told
-    words = told.partition("a long")[0].split()
-    assert sorted(words) == sorted(["wheel", "derailment", "quotient", "difference", "%"])
+    heading = told.partition("a long")[0].split()
+    assert sorted(heading) == sorted(["wheel", "derailment", "quotient", "difference", "%"])
 
 
 def _one_more(x: int) -> int:
@@ -110,8 +110,8 @@ def test_help_loses_no_word() -> None:
     for name, command in COMMANDS.items():
         texts = [command.help, *(p.help for p in command.params if getattr(p, "help", None))]
         told = " ".join(runner.invoke(app, [name, "-h"], env={"COLUMNS": "400", "NO_COLOR": "1"}).stdout.split())
-        for words in re.findall(r"\S*\[[^\]]+\]", " ".join(filter(None, texts)).replace("\\[", "[")):
-            assert words in told, (name, words)
+        for bracketed in re.findall(r"\S*\[[^\]]+\]", " ".join(filter(None, texts)).replace("\\[", "[")):
+            assert bracketed in told, (name, bracketed)
 
 
 def test_a_parameter_is_described_alike_in_help_and_docstring() -> None:
@@ -137,10 +137,10 @@ def test_one_option_means_one_thing_in_all_commands() -> None:
         for option in command.params:
             for name in getattr(option, "opts", ()):
                 meanings.setdefault(name, set()).add(str(option.name))
-    assert {name: own for name, own in meanings.items() if name.startswith("-") and len(own) > 1} == {}
+    assert {name: targets for name, targets in meanings.items() if name.startswith("-") and len(targets) > 1} == {}
     assert (meanings["-o"], meanings["--models"]) == ({"output"}, {"models"})
     orders = ([o.name for o in c.params if o.opts[0].startswith("-")] for c in COMMANDS.values())
-    pairs = {pair for own in orders for pair in combinations(own, 2)}
+    pairs = {pair for order in orders for pair in combinations(order, 2)}
     assert not {(a, b) for a, b in pairs if (b, a) in pairs}, "the same order in the help of all commands"
     assert {o.metavar for c in COMMANDS.values() for o in c.params if "--models" in getattr(o, "opts", ())} == {"DIR"}
 
@@ -150,30 +150,30 @@ def test_the_same_place_means_the_same_to_plot_and_resolve(tmp_path: Path) -> No
     front = curve_run(samples=40).assign_coords(wheelset=["front"])
     rear = front.assign_coords(wheelset=["rear"])
     rear["wheelset_distance"] = rear["wheelset_distance"] - 17.5
-    both = xr.concat(
+    vehicle = xr.concat(
         [front, rear], "wheelset", data_vars="minimal", coords="minimal", compat="override", join="override"
     )
-    Result(both).save(tmp_path / "result.nc")
-    here = float(front["snapshot_distance"].values[0])
+    Result(vehicle).save(tmp_path / "result.nc")
+    place = float(front["snapshot_distance"].values[0])
     for name, command in product(("front", "2"), ("plot", "resolve")):
         told = call(command, tmp_path, "--wheelset", name, "--at", "9999")
-        assert f"of that distance of the vehicle; there are {here:.1f}, " in told.stderr, (command, name)
-    told = call("plot", tmp_path, "--wheelset", "2", "--at", f"{here:.1f}")
-    assert (tmp_path / f"wheelset_2/patches_at_{here:.1f}.png").is_file(), told.output
-    titles = [moment_title(Result(both).wheelset(name), 0, 0) for name in ("front", "rear")]
-    assert titles[0].startswith(f"(a) {here:.1f} m")
-    assert titles[1].startswith(f"(a) vehicle {here:.1f} m, wheelset {here - 17.5:.1f} m")
+        assert f"of that distance of the vehicle; there are {place:.1f}, " in told.stderr, (command, name)
+    told = call("plot", tmp_path, "--wheelset", "2", "--at", f"{place:.1f}")
+    assert (tmp_path / f"wheelset_2/patches_at_{place:.1f}.png").is_file(), told.output
+    titles = [moment_title(Result(vehicle).wheelset(name), 0, 0) for name in ("front", "rear")]
+    assert titles[0].startswith(f"(a) {place:.1f} m")
+    assert titles[1].startswith(f"(a) vehicle {place:.1f} m, wheelset {place - 17.5:.1f} m")
 
 
 @pytest.mark.parametrize("command", ["diff", "resolve", "ride"])
 def test_a_result_that_cannot_be_used_is_named_in_one_line(command: str, run: Result, tmp_path: Path) -> None:
     """Of a scenario with several faults the first is told: its reader has not written it."""
-    file, other = tmp_path / "odd.nc", tmp_path / "other.nc"
+    file, readable = tmp_path / "odd.nc", tmp_path / "other.nc"
     Result(static_poses() if command != "resolve" else run.dataset.assign_attrs(scenario_text="a = 1\nb = 2\n")).save(
         file
     )
-    run.save(other)
-    told = call(command, file, *((other,) if command == "diff" else ()))
+    run.save(readable)
+    told = call(command, file, *((readable,) if command == "diff" else ()))
     assert told.exit_code == 2 and str(file) in told.stderr and told.stderr.count("\n") == 1
     assert (" more lines)" in told.stderr) == (command == "resolve")
 
@@ -216,20 +216,20 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
     folder = tmp_path_factory.mktemp("runs")
     run = curve_run()
     Result(run).save(folder / "a" / "result.nc")
-    other = run.copy(deep=True)
-    other["Q"].loc[{"wheel": "right"}] *= 1.02
-    Result(other).save(folder / "b" / "result.nc")
+    loaded = run.copy(deep=True)
+    loaded["Q"].loc[{"wheel": "right"}] *= 1.02
+    Result(loaded).save(folder / "b" / "result.nc")
     return str(folder / "a"), str(folder / "b")
 
 
 def test_the_exit_code_says_whether_a_change_is_beyond_the_tolerance(runs: tuple[str, str]) -> None:
     beyond = call("diff", runs[0], runs[1], "--json")
     assert beyond.exit_code == 4
-    found = json.loads(beyond.output)
-    changed = {(d["place"], d["quantity"]) for d in found["differences"] if d["difference"]}
+    answer = json.loads(beyond.output)
+    changed = {(d["place"], d["quantity"]) for d in answer["differences"] if d["difference"]}
     assert all("right" in place and quantity.startswith("Q_") for place, quantity in changed)
     assert ("wheelset right", "Q_max_kN") in changed
-    largest = max(d["relative"] for d in found["differences"])
+    largest = max(d["relative"] for d in answer["differences"])
     assert largest == pytest.approx(0.02 / 1.02, rel=1e-6)  # of the larger one
     assert call("diff", runs[0], runs[1], "--tolerance", "0.03").exit_code == 0
     assert call("diff", runs[0], runs[1], "--only", "Y_over_Q_max").exit_code == 0
@@ -243,13 +243,13 @@ def test_a_number_that_cannot_be_told_from_zero_has_no_change_in_percent() -> No
     height = 1e6 + 1e-3 * time / float(time[-1])  # round-off of a large energy
     energies = {"kinetic_energy": 5e5 + 0.0 * time, "potential_energy": height}
     run = run.assign(energies | {f"{of}_power": 1e3 + 0.0 * time for of in ("pull", "creep", "damper")})
-    other = run.copy(deep=True)
-    other["potential_energy"] = 1e6 - 2.0 * (height - 1e6)
-    found = {d.quantity: d for d in differences(Result(run), Result(other), (), 0.01) if d.place == "energy"}
-    assert found["gained_in_height_kJ"].change is None and found["gained_in_height_kJ"].relative < 1e-4
-    other["creep_power"] *= 1.1
-    found = {d.quantity: d for d in differences(Result(run), Result(other), (), 0.01) if d.place == "energy"}
-    assert found["lost_in_creep_kJ"].change == pytest.approx(10.0)
+    changed = run.copy(deep=True)
+    changed["potential_energy"] = 1e6 - 2.0 * (height - 1e6)
+    energies_diff = {d.quantity: d for d in differences(Result(run), Result(changed), (), 0.01) if d.place == "energy"}
+    assert energies_diff["gained_in_height_kJ"].change is None and energies_diff["gained_in_height_kJ"].relative < 1e-4
+    changed["creep_power"] *= 1.1
+    energies_diff = {d.quantity: d for d in differences(Result(run), Result(changed), (), 0.01) if d.place == "energy"}
+    assert energies_diff["lost_in_creep_kJ"].change == pytest.approx(10.0)
 
 
 @pytest.mark.parametrize(("options", "message"), table("faults_of_a_comparison_are_one_sentence"))

@@ -35,11 +35,11 @@ def test_every_kernel_works_in_some_case(plain):
 
 
 def test_kernels_give_the_same_numbers_without_the_compiler(plain, compiled):
-    found, *_ = plain
+    interpreted, *_ = plain
     for name, ours in compiled[0].items():
         # compilers may fuse products and sums: round-off of coordinates over an approach of 1e-4 m
         scale = np.maximum(np.abs(ours), 1e-9)
-        np.testing.assert_allclose(np.array(found[name]) / scale, np.array(ours) / scale, atol=1e-8, err_msg=name)
+        np.testing.assert_allclose(np.array(interpreted[name]) / scale, np.array(ours) / scale, atol=1e-8, err_msg=name)
 
 
 @njit

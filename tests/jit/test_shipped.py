@@ -75,8 +75,8 @@ def first_contact(package: Path, home: Path) -> tuple[int, str]:
 
 def kept(home: Path) -> bool:
     """What was found out about the kernels."""
-    (found,) = home.glob("wrsim/*/shipped.json")
-    return bool(json.loads(found.read_text())["usable"])
+    (record_file,) = home.glob("wrsim/*/shipped.json")
+    return bool(json.loads(record_file.read_text())["usable"])
 
 
 def test_a_new_users_first_contact_compiles_nothing_and_is_the_same_to_the_bit(package: Path, tmp_path: Path) -> None:
@@ -99,14 +99,14 @@ def test_kernels_that_compute_a_wrong_bit_are_not_taken(package: Path, tmp_path:
     assert json.loads((tmp_path / "shipped.json").read_text()) == {"usable": False}
 
 
-@pytest.mark.parametrize("what", ["numba", "llvmlite", "python", "platform", "sources"])
-def test_kernels_made_with_anything_else_are_not_taken(package: Path, tmp_path: Path, what: str) -> None:
-    folder = with_about(package, tmp_path, lambda about: about | {what: "another"})
+@pytest.mark.parametrize("entry", ["numba", "llvmlite", "python", "platform", "sources"])
+def test_kernels_made_with_anything_else_are_not_taken(package: Path, tmp_path: Path, entry: str) -> None:
+    folder = with_about(package, tmp_path, lambda about: about | {entry: "another"})
     assert shipped(str(tmp_path), folder) is None
 
 
 def test_kernels_made_for_another_processor_are_not_taken(package: Path, tmp_path: Path) -> None:
-    missing = next(name for name, there in binding.get_host_cpu_features().items() if not there)
+    missing = next(name for name, present in binding.get_host_cpu_features().items() if not present)
     folder = with_about(package, tmp_path, lambda about: about | {"needs": [missing]})
     assert shipped(str(tmp_path), folder) is None
 
@@ -225,7 +225,7 @@ def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]
     return home, shared
 
 
-def own(shared: Path) -> Path:
+def user_folder(shared: Path) -> Path:
     return shared / f"wrsim-{os.getuid()}"
 
 
@@ -245,8 +245,8 @@ def test_a_shared_directory_holds_a_folder_of_the_users_own_or_none(places: tupl
     home, shared = places
     (home / "wrsim").write_text("no folder can be made there")
     folder = cache_folder("kernels-1")
-    assert folder == str(own(shared) / "kernels-1")
-    assert own(shared).stat().st_mode & 0o777 == 0o700
+    assert folder == str(user_folder(shared) / "kernels-1")
+    assert user_folder(shared).stat().st_mode & 0o777 == 0o700
 
 
 @OF_OWNERS
@@ -258,12 +258,12 @@ def test_what_another_user_could_have_planted_is_not_used(places, planted, monke
     (evil / "kernels-1").mkdir(parents=True)
     if planted == "open":  # the folder of the kernels itself can be written to by all
         cache_folder("kernels-1")
-        (own(shared) / "kernels-1").chmod(0o777)
+        (user_folder(shared) / "kernels-1").chmod(0o777)
     elif planted == "link":
-        own(shared).symlink_to(evil)
+        user_folder(shared).symlink_to(evil)
     else:
         monkeypatch.setattr(os, "getuid", lambda: os.stat(evil).st_uid + 1)
-        own(shared).mkdir(mode=0o700)
+        user_folder(shared).mkdir(mode=0o700)
     assert cache_folder("kernels-1") is None
     message = capsys.readouterr().err
     assert message.count("\n") == 1
@@ -274,7 +274,7 @@ def test_what_another_user_could_have_planted_is_not_used(places, planted, monke
 def test_a_directory_where_others_can_swap_folders_is_not_used(places: tuple[Path, Path]) -> None:
     home, shared = places
     home.chmod(0o777)
-    assert cache_folder("kernels-1") == str(own(shared) / "kernels-1")
+    assert cache_folder("kernels-1") == str(user_folder(shared) / "kernels-1")
     home.chmod(0o1777)
     assert cache_folder("kernels-1") == str(home / "wrsim/kernels-1")
 
