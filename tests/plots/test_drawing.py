@@ -42,10 +42,10 @@ def test_pictures_of_two_processes_are_those_of_one_in_their_order() -> None:
 
 
 def test_all_pictures_are_there_when_the_second_process_is_killed() -> None:
-    here = os.getpid()
+    parent = os.getpid()
 
     def deadly() -> Figure:
-        if os.getpid() != here:
+        if os.getpid() != parent:
             os.kill(os.getpid(), signal.SIGKILL)
         return FIGURES["picture 0"]()
 

@@ -29,7 +29,7 @@ table = rows_of(__file__)
 
 
 @pytest.fixture(scope="module")
-def one() -> xr.Dataset:
+def curve_wheelset() -> xr.Dataset:
     return Result(synthetic_result.curve_run(samples=120)).wheelset()
 
 
@@ -43,9 +43,9 @@ def rows_of(figure) -> list:
 
 
 @pytest.mark.parametrize("radius", [300.0, 150.0])
-def test_the_derailment_quotient_has_its_limit_where_there_is_one(one, radius) -> None:
+def test_the_derailment_quotient_has_its_limit_where_there_is_one(curve_wheelset, radius) -> None:
     """EN 14363 sets none in curves below 250 m."""
-    dataset = one.assign(curvature=("time", np.where(one["distance"] > 100.0, 1.0 / radius, 0.0)))
+    dataset = curve_wheelset.assign(curvature=("time", np.where(curve_wheelset["distance"] > 100.0, 1.0 / radius, 0.0)))
     dataset["Y_over_Q"] = dataset["Y_over_Q"] * (0.5 / float(np.nanmax(dataset["Y_over_Q"])))
     figure = channels_figure(dataset, ("Y_over_Q",))
     (limit,) = [line for axes in figure.axes for line in axes.lines if line.get_gid() == "limit"]
@@ -53,7 +53,7 @@ def test_the_derailment_quotient_has_its_limit_where_there_is_one(one, radius) -
     values = np.asarray(limit.get_ydata())
     assert np.nanmax(values) == 0.8
     assert np.isfinite(values).all() == (radius >= 250.0)
-    assert np.isfinite(values[one["distance"].values < 100.0]).all()
+    assert np.isfinite(values[curve_wheelset["distance"].values < 100.0]).all()
     assert limit.axes.get_ylim()[1] > 0.8
 
 
@@ -84,9 +84,9 @@ def test_no_line_runs_over_a_motion_that_has_not_settled() -> None:
     assert np.isfinite(np.asarray(line.get_ydata())).tolist() == [True, True, False, True, True]
 
 
-def test_nothing_that_is_written_beneath_panels_leaves_the_picture(one) -> None:
+def test_nothing_that_is_written_beneath_panels_leaves_the_picture(curve_wheelset) -> None:
     """Of one moment a gallery has two panels, and is narrower than others."""
-    stopped = one.assign_attrs(status="stopped", stop_reason="a reason that takes more than one line " * 4)
+    stopped = curve_wheelset.assign_attrs(status="stopped", stop_reason="a reason that takes more than one line " * 4)
     for gallery in (patch_gallery, section_gallery):
         figure = gallery(stopped, [0])
         figure.draw_without_rendering()
@@ -95,13 +95,13 @@ def test_nothing_that_is_written_beneath_panels_leaves_the_picture(one) -> None:
             assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width and box.y0 >= 0.0, text.get_text()
 
 
-def test_pictures_have_the_width_the_font_and_the_kinds_that_are_chosen(one, tmp_path) -> None:
+def test_pictures_have_the_width_the_font_and_the_kinds_that_are_chosen(curve_wheelset, tmp_path) -> None:
     (tmp_path / "mine.mplstyle").write_text("lines.linewidth: 3")
     look = look_of("png, pdf,svg", 85.0, "DejaVu Serif", str(tmp_path / "mine.mplstyle"))
     token = LOOK.set(look)
     try:
-        figure = standard_figures(one)["overview"]()
-        files = save_all({"forces": lambda: channels_figure(one, ("Q",))}, tmp_path)
+        figure = standard_figures(curve_wheelset)["overview"]()
+        files = save_all({"forces": lambda: channels_figure(curve_wheelset, ("Q",))}, tmp_path)
     finally:
         LOOK.reset(token)
     assert [file.suffix for file in files] == [".png", ".pdf", ".svg"]
@@ -111,8 +111,10 @@ def test_pictures_have_the_width_the_font_and_the_kinds_that_are_chosen(one, tmp
     assert len(figure.axes) > 5 and figure.axes[0].get_position().width > 0.5  # one column: too narrow for two
 
 
-def test_without_titles_and_captions_the_rest_of_a_picture_is_as_large_and_a_stop_is_still_told(one, conicity) -> None:
-    stopped = one.assign_attrs(status="stopped", stop_reason="derailed")
+def test_without_titles_and_captions_the_rest_of_a_picture_is_as_large_and_a_stop_is_still_told(
+    curve_wheelset, conicity
+) -> None:
+    stopped = curve_wheelset.assign_attrs(status="stopped", stop_reason="derailed")
     makers = {
         name: partial(make, stopped) for name, make in (("overview", overview_figure), ("patches", patch_gallery))
     }
@@ -142,9 +144,9 @@ NAMED = {"profile", "track", "vehicle"}
 def test_commands_that_draw_have_the_options_of_pictures_and_draw_in_that_width(tmp_path: Path) -> None:
     options = {name: {p.name for p in each.params} for name, each in get_command(application()).commands.items()}
     assert {
-        name for name, own in options.items() if {"width_mm", "font", "style", "no_title"} <= own
+        name for name, parameters in options.items() if {"width_mm", "font", "style", "no_title"} <= parameters
     } == DRAWING | NAMED
-    assert {name for name, own in options.items() if "formats" in own} == DRAWING
+    assert {name for name, parameters in options.items() if "formats" in parameters} == DRAWING
     ok("profile", "wheels/S1002.toml", "-o", tmp_path / "p.png", "--width-mm", "80")
     with Image.open(tmp_path / "p.png") as picture:
         assert picture.width == pytest.approx(80.0 / 25.4 * 220, abs=1.0)
@@ -158,8 +160,8 @@ def test_commands_that_draw_have_the_options_of_pictures_and_draw_in_that_width(
 def drawn_texts(figure, patch: pytest.MonkeyPatch) -> list[Text]:
     """All words of a picture that are drawn: ticks beyond the ends of an axis are not."""
     drawn, draw = dict[int, Text](), Text.draw
-    with patch.context() as own, style():
-        own.setattr(Text, "draw", lambda text, renderer: (drawn.update({id(text): text}), draw(text, renderer)))
+    with patch.context() as patched, style():
+        patched.setattr(Text, "draw", lambda text, renderer: (drawn.update({id(text): text}), draw(text, renderer)))
         figure.draw_without_rendering()
     return [text for text in drawn.values() if text.get_visible() and text.get_text().strip()]
 
@@ -176,15 +178,15 @@ def drawn_texts(figure, patch: pytest.MonkeyPatch) -> list[Text]:
     ids=str,
 )
 def test_no_word_is_cut_off_or_over_another_one_whatever_the_width_the_style_and_the_font(
-    one, conicity, width, look, moments, tmp_path, monkeypatch
+    curve_wheelset, conicity, width, look, moments, tmp_path, monkeypatch
 ) -> None:
-    one = one.isel(snapshot=slice(moments))
+    curve_wheelset = curve_wheelset.isel(snapshot=slice(moments))
     monkeypatch.chdir(tmp_path)
     (tmp_path / "big").write_text("font.size: 20\naxes.labelsize: 30\nfigure.figsize: 1, 1\nsavefig.bbox: tight")
     token = LOOK.set(look_of(width=width, **look))
     try:
         cycles = stability(["cycle"]).assign_attrs(critical_note="stable at all speeds, " * 8)
-        makers = stability_figures(cycles) | standard_figures(conicity.dataset) | standard_figures(one)
+        makers = stability_figures(cycles) | standard_figures(conicity.dataset) | standard_figures(curve_wheelset)
         for name, make in makers.items():
             figure = make()
             figure.set_dpi(220)
@@ -194,10 +196,10 @@ def test_no_word_is_cut_off_or_over_another_one_whatever_the_width_the_style_and
                 outside = max(-box.x0, -box.y0, box.x1 - figure.bbox.width, box.y1 - figure.bbox.height)
                 assert outside <= 2.0, (name, text, outside)
             level = [text for text in drawn if text.get_rotation() == 0.0]
-            for (own, box), (other, beside) in combinations([(t, t.get_window_extent()) for t in level], 2):
+            for (label, box), (neighbour, beside) in combinations([(t, t.get_window_extent()) for t in level], 2):
                 across = min(box.x1, beside.x1) - max(box.x0, beside.x0)
                 up = min(box.y1, beside.y1) - max(box.y0, beside.y0)  # extents reach above and beneath the letters
-                assert across < 2.0 or up < 0.3 * min(box.height, beside.height), (name, own, other)
+                assert across < 2.0 or up < 0.3 * min(box.height, beside.height), (name, label, neighbour)
     finally:
         LOOK.reset(token)
 

@@ -68,12 +68,12 @@ class Car:
         """How far the rail lies to the left of and above a chord that ends on it [m], in the axes of its
         cross-section."""
         s = self.distance
-        here, rear, front = (self.frames(side, s + x) for x in (0.0, -behind, ahead))
+        middle, rear, front = (self.frames(side, s + x) for x in (0.0, -behind, ahead))
         along = front[:, 0] - rear[:, 0]
         along /= np.linalg.norm(along, axis=1)[:, None]
-        off = here[:, 0] - rear[:, 0]
+        off = middle[:, 0] - rear[:, 0]
         off -= np.sum(off * along, axis=1)[:, None] * along
-        return np.sum(off * here[:, 2], axis=1), np.sum(off * here[:, 3], axis=1)
+        return np.sum(off * middle[:, 2], axis=1), np.sum(off * middle[:, 3], axis=1)
 
     def curvature(self, base: float) -> Array:
         """Of the circle through three points of the middle between the rails, ``base`` [m] from the first to the last,
@@ -144,8 +144,8 @@ def geometry(car: Car) -> dict[str, Array]:
 
 @cache
 def versines(car: Car, behind: float, ahead: float) -> dict[str, Array]:
-    both = {side: car.versine(side, behind, ahead) for side in ("left", "right")}
-    return {f"{kind}_{side}_mm": both[side][i] for i, kind in enumerate(("alignment", "level")) for side in both}
+    sides = {side: car.versine(side, behind, ahead) for side in ("left", "right")}
+    return {f"{kind}_{side}_mm": sides[side][i] for i, kind in enumerate(("alignment", "level")) for side in sides}
 
 
 def column_map(path: Path, names: list[str], system: str, head: str = "") -> Path:
@@ -177,13 +177,15 @@ def in_band(values: Array, step: float, *, without: tuple[float, float] | None =
     return filtered(values, step, response, 40.0)
 
 
-def errors(found: Restored, car: Car, without: tuple[float, float] | None = None) -> float:
+def errors(restored_track: Restored, car: Car, without: tuple[float, float] | None = None) -> float:
     """Largest error of both rails, laterally and vertically, in 3 to 25 m and off the ends [m]."""
     inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
     largest = 0.0
     for i, side in enumerate(("left", "right")):
         for ours, true in zip(
-            (found.lateral[i], found.vertical[i]), car.track.irregularity(side, car.distance), strict=True
+            (restored_track.lateral[i], restored_track.vertical[i]),
+            car.track.irregularity(side, car.distance),
+            strict=True,
         ):
             off = in_band(ours - true, car.step, without=without)[inner]
             assert np.abs(in_band(true, car.step)[inner]).max() > 1e-3  # there is something to find
@@ -208,37 +210,37 @@ def test_a_track_measured_by_a_chord_comes_back_within_a_tenth_of_a_millimetre(b
 def test_level_is_freed_of_ramps_about_the_pivot_of_their_cant(tmp_path: Path) -> None:
     car = Car(line(pivot="low rail"))
     columns = geometry(car) | versines(car, 4.0, 6.0)
-    found = restored(tmp_path, car, columns, "chord_m = [4, 6]", 'pivot = "low rail"\n')
-    assert errors(found, car) < 0.2e-3  # the outer rail has the whole ramp, about the centre line half of it
-    assert 'pivot = "low rail"' in track_file(found, "2026-01-31")
+    restored_track = restored(tmp_path, car, columns, "chord_m = [4, 6]", 'pivot = "low rail"\n')
+    assert errors(restored_track, car) < 0.2e-3  # the outer rail has the whole ramp, about the centre line half of it
+    assert 'pivot = "low rail"' in track_file(restored_track, "2026-01-31")
     assert errors(restored(tmp_path, car, columns, "chord_m = [4, 6]"), car) > 0.8e-3
 
 
 def test_on_rough_track_design_and_what_is_left_together_come_back(tmp_path: Path) -> None:
     # nobody can tell the form of a transition there; what the fit takes for the design it does not leave over
     car = Car(line("FRA-5"))
-    found = restored(tmp_path, car, geometry(car) | versines(car, 4.0, 6.0), "chord_m = [4, 6]")
-    s, x, track = car.distance, found.recording.distance, car.track
+    restored_track = restored(tmp_path, car, geometry(car) | versines(car, 4.0, 6.0), "chord_m = [4, 6]")
+    s, x, track = car.distance, restored_track.recording.distance, car.track
     inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
-    curve = np.cumsum(np.cumsum(found.law.curvature(x) - track.curvature(s))) * car.step**2
+    curve = np.cumsum(np.cumsum(restored_track.law.curvature(x) - track.curvature(s))) * car.step**2
     for i, (side, sign) in enumerate((("left", 1.0), ("right", -1.0))):
         lateral, vertical = track.irregularity(side, s)
-        wider, higher = found.law.widening(x) - track.widening(s), found.law.cant(x) - track.cant(s)
+        wider, higher = restored_track.law.widening(x) - track.widening(s), restored_track.law.cant(x) - track.cant(s)
         for off in (
-            found.lateral[i] - lateral + curve + 0.5 * sign * wider,
-            found.vertical[i] - vertical - 0.5 * sign * higher,
+            restored_track.lateral[i] - lateral + curve + 0.5 * sign * wider,
+            restored_track.vertical[i] - vertical - 0.5 * sign * higher,
         ):
             assert np.abs(in_band(off, car.step)[inner]).max() < 0.1e-3
 
 
 def test_a_symmetric_chord_loses_its_half_and_gives_back_the_rest(car: Car, tmp_path: Path) -> None:
-    found = restored(tmp_path, car, geometry(car) | versines(car, 5.0, 5.0), "chord_m = [5, 5]")
-    kept = next(i.kept() for c, i in found.inverses if c.quantity == "level_left")
+    restored_track = restored(tmp_path, car, geometry(car) | versines(car, 5.0, 5.0), "chord_m = [5, 5]")
+    kept = next(i.kept() for c, i in restored_track.inverses if c.quantity == "level_left")
     assert len(kept) == 2 and kept[0, 1] < 5.0 < kept[1, 0] and kept[1, 1] > 50.0
     lost = (kept[0, 1] / 1.25, kept[1, 0] * 1.25)
     # 3.0 to 3.7 and 6.8 to 25 m are left to compare
-    assert errors(found, car, without=(lost[0], lost[1])) < 0.1e-3
-    assert errors(found, car) > 0.1e-3
+    assert errors(restored_track, car, without=(lost[0], lost[1])) < 0.1e-3
+    assert errors(restored_track, car) > 0.1e-3
 
 
 def test_an_inertial_record_comes_back_as_it_is_without_the_design(car: Car, tmp_path: Path) -> None:
@@ -258,21 +260,21 @@ def test_an_inertial_record_comes_back_as_it_is_without_the_design(car: Car, tmp
         columns[f"alignment_{side}_mm"] = recorded(curve + sign * 0.5 * track.widening(s) + lateral)
         columns[f"level_{side}_mm"] = recorded(up - sign * 0.5 * track.cant(s) + vertical)
     assert np.abs(recorded(curve)).max() > 0.15e-3
-    found = restored(tmp_path, car, geometry(car) | columns, 'band = "D1"')
+    restored_track = restored(tmp_path, car, geometry(car) | columns, 'band = "D1"')
     inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
     # gauge and cant know all waves; what is common to the rails is known in the system's band
     known = shapes + np.apply_along_axis(recorded, -1, shapes.mean(axis=0)) - shapes.mean(axis=0)
-    for ours, true in zip((found.lateral, found.vertical), known.swapaxes(0, 1), strict=True):
+    for ours, true in zip((restored_track.lateral, restored_track.vertical), known.swapaxes(0, 1), strict=True):
         for off in ours - true:
             assert np.abs(in_band(off, car.step)[inner]).max() < 0.1e-3
 
 
-def assert_design(found: Restored, line: list[Segment], car: Car, places: float) -> None:
+def assert_design(restored_track: Restored, line: list[Segment], car: Car, places: float) -> None:
     """The segments of a line; places: tolerance of where they begin [m]."""
-    assert [type(s) for s in found.segments] == [type(s) for s in line]
+    assert [type(s) for s in restored_track.segments] == [type(s) for s in line]
     true = np.cumsum([s.length for s in line])[:-1] - car.margin
-    np.testing.assert_allclose(np.cumsum([s.length for s in found.segments])[:-1], true, atol=places)
-    for a, b in zip(found.segments, line, strict=True):
+    np.testing.assert_allclose(np.cumsum([s.length for s in restored_track.segments])[:-1], true, atol=places)
+    for a, b in zip(restored_track.segments, line, strict=True):
         if isinstance(a, Arc) and isinstance(b, Arc):
             assert a.radius == pytest.approx(b.radius, rel=2e-3)
             assert a.cant == pytest.approx(b.cant, abs=0.3e-3)
@@ -329,9 +331,9 @@ def test_an_inertial_system_halves_a_wave_at_its_borders_and_versines_tell_curve
     assert np.abs(gain) == pytest.approx([1.0 / 257.0, 0.5, 1.0, 0.5, 1.0 / 257.0], rel=1e-3)
     assert gain.imag == pytest.approx(0.0)
     columns = {k: v for k, v in (geometry(car) | versines(car, 4.0, 6.0)).items() if not k.startswith("curvature")}
-    found = restored(tmp_path, car, columns, "chord_m = [4, 6]")
-    assert any("no curvature was recorded: it is that of the versines" in note for note in found.notes)
-    radii = [s.radius for s in found.segments if isinstance(s, Arc)]
+    restored_track = restored(tmp_path, car, columns, "chord_m = [4, 6]")
+    assert any("no curvature was recorded: it is that of the versines" in note for note in restored_track.notes)
+    radii = [s.radius for s in restored_track.segments if isinstance(s, Arc)]
     assert radii == pytest.approx([600.0, -900.0], rel=5e-3)
 
 
@@ -339,11 +341,11 @@ def test_alignment_freed_of_its_curves_is_known_for_what_it_is(by_chord: Restore
     even = Car(Track.build(LINE, left_offset=(0.0325, 0.0), right_offset=(0.0325, 0.0)))
     columns = versines(car, 4.0, 6.0)
     bare = {k: v - versines(even, 4.0, 6.0)[k] if k.startswith("alignment") else v for k, v in columns.items()}
-    found = restored(tmp_path, car, geometry(car) | bare, "chord_m = [4, 6]")
-    assert any("is freed of the curves" in note for note in found.notes)
+    restored_track = restored(tmp_path, car, geometry(car) | bare, "chord_m = [4, 6]")
+    assert any("is freed of the curves" in note for note in restored_track.notes)
     inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
     # both took off the same curve, but for what its fit is off
-    for ours, theirs in zip(found.lateral, by_chord.lateral, strict=True):
+    for ours, theirs in zip(restored_track.lateral, by_chord.lateral, strict=True):
         assert np.abs(in_band(ours - theirs, car.step)[inner]).max() < 0.1e-3
 
 
@@ -354,8 +356,8 @@ def test_recordings_that_tell_no_track_are_refused(car: Car, tmp_path: Path) -> 
     ):
         restored(tmp_path, car, geometry(car) | turned, "chord_m = [4, 6]")
     columns = geometry(car) | {"cant_mm": -car.cant()}
-    found = restored(tmp_path, car, columns, "")
-    assert any("the cant leans outward in 2 of 2 curves" in note for note in found.notes)
+    restored_track = restored(tmp_path, car, columns, "")
+    assert any("the cant leans outward in 2 of 2 curves" in note for note in restored_track.notes)
     columns = geometry(car)
     bent = {k: 1e3 * v if k.startswith("curvature") else v for k, v in columns.items()}  # 1/m taken for 1/km
     with pytest.raises(
@@ -373,12 +375,12 @@ def test_recordings_that_tell_no_track_are_refused(car: Car, tmp_path: Path) -> 
 def test_twist_alone_tells_the_cross_level(car: Car, tmp_path: Path) -> None:
     s = car.distance
     cross, back = (
-        car.track.irregularity("right", at)[1] - car.track.irregularity("left", at)[1] for at in (s, s - 3.0)
+        car.track.irregularity("right", place)[1] - car.track.irregularity("left", place)[1] for place in (s, s - 3.0)
     )
     columns = {"twist_mm": cross - back}
-    found = restored(tmp_path, car, columns, "")
+    restored_track = restored(tmp_path, car, columns, "")
     inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
-    ours = found.vertical[1] - found.vertical[0]
+    ours = restored_track.vertical[1] - restored_track.vertical[0]
     # a base of 3 m loses waves of 3 m
     off = in_band(ours - cross, car.step, without=(2.4, 4.4))[inner]
     assert np.abs(in_band(cross, car.step)[inner]).max() > 1e-3 > 10.0 * np.abs(off).max()
@@ -424,9 +426,9 @@ def test_a_recording_is_read_in_its_language_and_what_is_left_out_is_a_warning(
 
 @pytest.mark.parametrize(("name", "quantity"), table("names_of_the_trade_are_known"))
 def test_names_of_the_trade_are_known(name: str, quantity: str) -> None:
-    found = guessed([name], "line.csv:1", (4.0, 6.0), None)
-    assert [own["quantity"] for own in found] == [quantity] * bool(quantity)
-    assert not found or ChannelSection.model_validate(found[0]).quantity == quantity
+    channels = guessed([name], "line.csv:1", (4.0, 6.0), None)
+    assert [channel["quantity"] for channel in channels] == [quantity] * bool(quantity)
+    assert not channels or ChannelSection.model_validate(channels[0]).quantity == quantity
 
 
 MAP = """[[channels]]
@@ -478,8 +480,8 @@ def field_line() -> dict[str, Array]:
     0.5 m, their distances from 12.31 km on; degrees, versines and twists by their definitions."""
     x = np.arange(0.0, 900.0, 0.5)
 
-    def curved(at: Array) -> Array:
-        return np.interp(at, [200.0, 280.0, 580.0, 660.0], [0.0, 1.0, 1.0, 0.0])
+    def curved(distance: Array) -> Array:
+        return np.interp(distance, [200.0, 280.0, 580.0, 660.0], [0.0, 1.0, 1.0, 0.0])
 
     s, cant = 12310.0 + x, 0.08 * curved(x)
     feet = s / 0.3048
@@ -520,12 +522,14 @@ def test_layouts_of_the_field_give_the_line(
     name: str, head: str, sign: str, encoding: str, columns: list[str], note: str, tmp_path: Path
 ) -> None:
     (tmp_path / "line.csv").write_bytes(field_table(head, sign, columns).encode(encoding))
-    found = restore(recording_from(tmp_path / "line.csv"), BAND, AMPLIFICATION)
-    assert found.recording.start == pytest.approx(12310.0, abs=0.01) and found.recording.length > 899.0
-    (arc,) = (s for s in found.segments if isinstance(s, Arc))
+    restored_track = restore(recording_from(tmp_path / "line.csv"), BAND, AMPLIFICATION)
+    assert (
+        restored_track.recording.start == pytest.approx(12310.0, abs=0.01) and restored_track.recording.length > 899.0
+    )
+    (arc,) = (s for s in restored_track.segments if isinstance(s, Arc))
     assert (arc.radius, arc.cant) == pytest.approx((700.0, 0.08), rel=4e-3)
-    assert [s.length for s in found.segments] == pytest.approx([200.0, 80.0, 300.0, 80.0, 240.0], abs=1.5)
-    assert note in "\n".join(found.notes), found.notes
+    assert [s.length for s in restored_track.segments] == pytest.approx([200.0, 80.0, 300.0, 80.0, 240.0], abs=1.5)
+    assert note in "\n".join(restored_track.notes), restored_track.notes
 
 
 def test_a_map_without_units_takes_those_of_the_table(tmp_path: Path) -> None:
@@ -542,8 +546,8 @@ def test_vertical_and_horizontal_versines_are_level_and_alignment_and_a_missing_
         assert [c["quantity"] for c in guessed([name], "x", (5.0, 5.0), None)] == [quantity] * bool(quantity), name
     text = field_table("", ",", ["Distance [m] = s", "Curvature [1/km] = curvature * 1e3", "Gauge [mm] = gauge * 1e3"])
     (tmp_path / "line.csv").write_text(text)
-    found = restore(recording_from(tmp_path / "line.csv"), BAND, AMPLIFICATION)
-    assert "no cant was recorded, nor twist: the cant of the curves is unknown and laid as 0" in found.notes
+    restored_track = restore(recording_from(tmp_path / "line.csv"), BAND, AMPLIFICATION)
+    assert "no cant was recorded, nor twist: the cant of the curves is unknown and laid as 0" in restored_track.notes
 
 
 FIELD = ["Distance [m] = s", "Curvature [1/km] = curvature * 1e3", "Cant [mm] = cant * 1e3", "Level D1 [mm] = flat"]

@@ -83,8 +83,8 @@ def test_a_class_holds_up_to_its_printed_limit_and_not_beyond(quantity: str) -> 
     limits = [limit for limit in LAW[quantity] if np.isfinite(limit)]
     first = len(LAW[quantity]) - len(limits) + 1
     for limit in set(limits):
-        highest = max(c for c, other in enumerate(limits, first) if other == limit)
-        lowest = min(c for c, other in enumerate(limits, first) if other == limit)
+        highest = max(c for c, class_limit in enumerate(limits, first) if class_limit == limit)
+        lowest = min(c for c, class_limit in enumerate(limits, first) if class_limit == limit)
         inside = min(windows_of(quantity, (1.0 - share) * limit), key=lambda w: w.track_class)
         beyond = windows_of(quantity, (1.0 + share) * limit)[int(MIDDLE // WINDOW)]
         name = quantity.removesuffix(", curve")

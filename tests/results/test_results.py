@@ -112,9 +112,11 @@ def test_the_quotient_and_the_variation_of_the_contact_angle_are_derived():
     np.testing.assert_array_equal(dataset["contact_angle_variation"], high - low)
 
 
-@pytest.mark.parametrize(("coords", "channels", "attributes", "words"), table("a_mistake_of_the_calling_code_is_named"))
-def test_a_mistake_of_the_calling_code_is_named(coords, channels, attributes, words):
-    with pytest.raises(ValueError, match=words):
+@pytest.mark.parametrize(
+    ("coords", "channels", "attributes", "message"), table("a_mistake_of_the_calling_code_is_named")
+)
+def test_a_mistake_of_the_calling_code_is_named(coords, channels, attributes, message):
+    with pytest.raises(ValueError, match=message):
         assemble(coords, channels, ATTRIBUTES | attributes)
 
 
@@ -168,7 +170,7 @@ def test_a_single_wrong_bit_is_found(share, written, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("spoil", "words"),
+    ("spoil", "message"),
     [
         (lambda d: d.drop_vars("wheelset"), "has no wheelset"),
         (lambda d: d.drop_vars("Q").assign(Q=("time", d["time"].values)), "its Q is laid out along (time)"),
@@ -186,9 +188,9 @@ def test_a_single_wrong_bit_is_found(share, written, tmp_path):
         (lambda d: d.assign_attrs(format_version="two"), "has no format"),
     ],
 )
-def test_a_file_that_says_it_is_ours_and_lacks_what_readers_need_is_refused(spoil, words, tmp_path):
+def test_a_file_that_says_it_is_ours_and_lacks_what_readers_need_is_refused(spoil, message, tmp_path):
     path = Result(spoil(curve_run(samples=40))).save(tmp_path / "result.nc")
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(InputError, match=re.escape(message)):
         Result.load(path)
 
 
@@ -289,9 +291,9 @@ def test_a_peak_and_each_of_its_rows_say_where_it_is():
     dataset = the_wheelset(curve_run())
     summary = Result(curve_run()).summary()["wheelsets"]["wheelset"]
     peak = summary["wheels"]["right"]["Y_over_Q_max"]
-    at = int(np.argmax(dataset["Y_over_Q"].sel(wheel="right").values))
-    assert peak["distance_m"] == float(dataset["distance"][at])
-    assert peak["time_s"] == float(dataset["time"][at])
+    index = int(np.argmax(dataset["Y_over_Q"].sel(wheel="right").values))
+    assert peak["distance_m"] == float(dataset["distance"][index])
+    assert peak["time_s"] == float(dataset["time"][index])
     shift = summary["lateral_shift_max_mm"]["value"]
     assert shift == pytest.approx(1e3 * float(dataset["lateral_shift"].min()))  # the left curve pushes to the right
     # one entry of PEAKS makes the number in summary.json and the row in every table
@@ -314,15 +316,15 @@ def test_peaks_below_20_hz_and_over_2_m_stand_beside_raw_ones_and_both_are_named
         return np.where(s < 300.0, 50e3, -1e3), 50e3 + 0.0 * s
 
     result = synthetic_run(y=lateral, q=vertical)
-    own = result.summary()["wheelsets"]["wheelset"]
-    left = own["wheels"]["left"]
+    wheelset = result.summary()["wheelsets"]["wheelset"]
+    left = wheelset["wheels"]["left"]
     assert left["Y_max_kN"]["value"] > 14.0
     assert left["Y_max_20Hz_kN"]["value"] == pytest.approx(10.0, rel=1e-3)
-    assert abs(own["sum_Y_max_20Hz_2m_kN"]["value"]) == pytest.approx(10.0 * mean, rel=1e-3)
+    assert abs(wheelset["sum_Y_max_20Hz_2m_kN"]["value"]) == pytest.approx(10.0 * mean, rel=1e-3)
     assert left["Y_over_Q_max_20Hz_2m"]["value"] == pytest.approx(0.2 * mean, rel=5e-3)
     assert left["Y_over_Q_max_20Hz_2m"]["distance_m"] < 300.0
-    words = [row[0] for table in result.numbers() for row in table.rows]
-    assert {"max Y, raw [kN]", "max Y, 20 Hz [kN]", "max Y/Q, 20 Hz, 2 m"} <= {*words}
+    labels = [row[0] for table in result.numbers() for row in table.rows]
+    assert {"max Y, raw [kN]", "max Y, 20 Hz [kN]", "max Y/Q, 20 Hz, 2 m"} <= {*labels}
     assert "max Y [kN]" in [row[0] for table in Result(static_poses()).numbers() for row in table.rows]
 
 
@@ -362,8 +364,8 @@ def test_every_hand_of_an_s_curve_is_found_and_straight_track_has_none():
     def full_curves(channels: dict) -> list[dict]:
         return summarise(assemble({"time": distance}, channels, ATTRIBUTES))["wheelsets"]["wheelset"]["full_curves"]
 
-    found = full_curves(channels)
-    assert [round(c["radius_m"], 6) for c in found] == [200.0, -250.0]
+    curves = full_curves(channels)
+    assert [round(c["radius_m"], 6) for c in curves] == [200.0, -250.0]
     assert full_curves(channels | {"curvature": 0.0}) == []
 
 
@@ -550,7 +552,7 @@ def test_words_of_reports_are_understood_as_names_of_channels() -> None:
     for peak in (*PEAKS.values(), *OF_WHEELSET.values()):
         word = peak.title.partition(",")[0]
         assert NAMES.understood(word) in (peak.channel, word.replace(" ", "_")), word
-    words = {
+    channels_of_words = {
         "angle_of_attack": "yaw",
         "Angle of attack": "yaw",
         "L/V": "Y_over_Q",
@@ -558,7 +560,7 @@ def test_words_of_reports_are_understood_as_names_of_channels() -> None:
         "y": "Y",
         "y/q": "Y_over_Q",
     }
-    assert {word: NAMES.understood(word) for word in words} == words
+    assert {word: NAMES.understood(word) for word in channels_of_words} == channels_of_words
     assert NAMES.understood("spring force") is None and '"suspension_fx"' in NAMES.unknown("spring force")
     assert NAMES.among(["attack"]).understood("angle of attack") == "attack"
     assert NAMES.unknown("lateral shft").count('"') == 10 and '"lateral_shift"' in NAMES.unknown("lateral shft")

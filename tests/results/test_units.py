@@ -28,8 +28,8 @@ def test_tables_and_sentences_are_in_the_units_of_their_block() -> None:
     metric = as_text([table])
     with wrsim.look(units="us"):
         text = as_text([table])
-        for words, expected in TEXTS:
-            assert in_text(words) == expected
+        for text_si, expected in TEXTS:
+            assert in_text(text_si) == expected
         assert in_page("<p>10 m</p><pre>10 m</pre>") == "<p>32.8 ft</p><pre>10 m</pre>"
         assert converted(SHOWN["kN"]).suffix == "kip" and converted(SHOWN["mrad"]) == SHOWN["mrad"]
     for part in (
@@ -48,15 +48,15 @@ def test_tables_and_sentences_are_in_the_units_of_their_block() -> None:
 
 def test_axes_show_round_numbers_of_the_unit_and_panels_of_a_row_share_it() -> None:
     figure = new_figure(120.0, 60.0)
-    one, two = figure.subplots(1, 2)
-    for axes in (one, two):
+    left, right = figure.subplots(1, 2)
+    for axes in (left, right):
         axes.plot([0.0, 100.0], [0.0, 50.0], label="to 10 m")
         axes.set_xlabel("Distance [m]")
-    one.set_ylabel("Shift [mm]")
+    left.set_ylabel("Shift [mm]")
     with wrsim.look(units="us"):
         rendered(figure)
-    assert (one.get_xlabel(), one.get_ylabel(), two.get_ylabel()) == ("Distance [ft]", "Shift [in]", "")
-    for axes in (one, two):
+    assert (left.get_xlabel(), left.get_ylabel(), right.get_ylabel()) == ("Distance [ft]", "Shift [in]", "")
+    for axes in (left, right):
         ticks = axes.yaxis.get_major_locator().tick_values(0.0, 50.0)
         assert [round(v / 25.4, 9) % 0.5 for v in ticks] == pytest.approx([0.0] * len(ticks))
         assert axes.yaxis.get_major_formatter()(25.4) in ("1", "1.0", "1.00")
