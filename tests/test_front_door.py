@@ -79,8 +79,8 @@ def test_a_run_imports_no_library_for_what_it_does_not_do(tmp_path: Path) -> Non
     ]
     code = f"import atexit, sys, wrsim.cli\nprints = lambda: print(sorted(set({unused}) & set(sys.modules)))\n"
     program = [sys.executable, "-c", f"{code}atexit.register(prints)\nwrsim.cli.main()"]
-    given = ["run", "scenarios/curve_r300.toml", "--set", "run.distance_m=1", "-q", "-o", str(tmp_path / "run")]
-    done = subprocess.run([*program, *given], capture_output=True, text=True, check=True, cwd=ROOT)
+    arguments = ["run", "scenarios/curve_r300.toml", "--set", "run.distance_m=1", "-q", "-o", str(tmp_path / "run")]
+    done = subprocess.run([*program, *arguments], capture_output=True, text=True, check=True, cwd=ROOT)
     assert done.stdout.strip() == "[]"
     assert len(list((tmp_path / "run").glob("*.png"))) == 5
 
@@ -90,12 +90,12 @@ def test_without_the_extra_of_studies_a_wrong_value_is_told_not_the_extra(tmp_pa
     program = f"{absent}; from wrsim.cli import application; application()()"
     wrong = ["run", "scenarios/curve_r300.toml", "--set", "run.distance_m=-5", "-o", str(tmp_path / "x")]
     study = ["study", "scenarios/studies/friction_speed.toml", "-o", str(tmp_path / "y")]
-    other = ["run", "scenarios/optimisation/yaw_stiffness.toml", "-o", str(tmp_path / "z")]
+    optimisation = ["run", "scenarios/optimisation/yaw_stiffness.toml", "-o", str(tmp_path / "z")]
     kind = "is an optimisation (wrsim optimise)"
     for arguments, told in (
         (wrong, "run.distance_m = -5: must be"),
         (study, "pip install 'wrsim[study]'"),
-        (other, kind),
+        (optimisation, kind),
     ):
         done = subprocess.run(
             [sys.executable, "-c", program, *arguments], cwd=ROOT, capture_output=True, text=True, check=False
@@ -107,15 +107,15 @@ def test_without_the_extra_of_studies_a_wrong_value_is_told_not_the_extra(tmp_pa
 def test_a_wheel_carries_its_load_and_its_patch_adds_up_to_its_normal_force(study: Result) -> None:
     np.testing.assert_allclose(study.dataset["Q"].values.ravel(), 60e3, rtol=1e-6)
     for shift in SHIFTS:
-        found = []
+        load_errors = []
         for columns in (51, 101, 201):
             patch = study.patch(f"y{shift:+g}", columns=columns)
             dx = float(patch.x[1] - patch.x[0])
-            found.append(abs(float((patch.p.sum("x") * dx * patch.strip_ds).sum()) / float(patch.N) - 1.0))
+            load_errors.append(abs(float((patch.p.sum("x") * dx * patch.strip_ds).sum()) / float(patch.N) - 1.0))
         # the trapezoidal rule on a semi-ellipse converges with the power 1.5 of the columns' distance; its ends lie
         # anywhere between two columns
-        assert found[0] < 2e-3, "of the normal force, 51 columns"
-        assert found[2] < 0.5 * found[0] < 1e-3
+        assert load_errors[0] < 2e-3, "of the normal force, 51 columns"
+        assert load_errors[2] < 0.5 * load_errors[0] < 1e-3
 
 
 def test_poses_in_python_are_those_of_a_scenario(study: Result, request: pytest.FixtureRequest) -> None:
@@ -151,8 +151,8 @@ def test_a_patch_of_a_run_is_the_one_of_the_nearest_kept_moment(curve: Result) -
     assert patch.attrs["distance_m"] == pytest.approx(FIRST, abs=1e-6)
     assert patch.p.attrs["units"] == "Pa" and patch.s.attrs["units"] == "m"
     assert np.all(np.diff(patch.s) > 0.0)
-    at = int(np.argmin(np.abs(curve.dataset["time"].values - curve.dataset["snapshot_time"].values[0])))
-    assert float(patch.p0) == float(curve.wheelset()["p0"].sel(wheel="right")[at, 0])
+    sample = int(np.argmin(np.abs(curve.dataset["time"].values - curve.dataset["snapshot_time"].values[0])))
+    assert float(patch.p0) == float(curve.wheelset()["p0"].sel(wheel="right")[sample, 0])
 
 
 @pytest.mark.parametrize(
@@ -171,9 +171,9 @@ def test_a_patch_of_a_run_is_the_one_of_the_nearest_kept_moment(curve: Result) -
     ],
 )
 def test_what_is_not_there_is_told_in_one_line_with_what_there_is(asked, told: str, curve: Result) -> None:
-    with pytest.raises(InputError, match=told) as found:
+    with pytest.raises(InputError, match=told) as refused:
         asked(curve)
-    assert "\n" not in str(found.value)
+    assert "\n" not in str(refused.value)
 
 
 def test_poses_that_cannot_be_are_refused() -> None:
@@ -185,13 +185,13 @@ def test_poses_that_cannot_be_are_refused() -> None:
     with pytest.raises(InputError, match=r"polach_slip = 1\.5: must be a number from .* to 1$"):
         contact_model(wheel, rail, 0.46, ContactSettings(polach_slip=1.5))
     model = contact_model(wheel, rail, 0.46)
-    for given, told in (
+    for poses, told in (
         ([], "at least one"),
         ([Pose("a")], "pose 'a': load = 0: must be"),
         ([Pose("a", load=1e3), Pose("a", load=2e3)], "pose 'a': there are two of this name"),
     ):
         with pytest.raises(InputError, match=told):
-            solve_poses(model, given)
+            solve_poses(model, poses)
     with pytest.raises(InputError, match="side = 'middle': must be left or right"):
         solve_poses(model, [Pose(load=1e3)], side="middle")  # type: ignore[arg-type]
 
@@ -226,9 +226,9 @@ def test_every_import_of_wrsim_resolves_also_those_inside_functions() -> None:
     for path in sorted(path for room in rooms for path in (ROOT / room).rglob("*.py")):
         for home, inside, plain in statement.findall(path.read_text()):
             module = import_module(home)
-            for name in (words.split()[0] for words in (inside or plain).split(",")):
-                found = hasattr(module, name) or find_spec(f"{home}.{name}") is not None
-                assert found, f"{path}: {home} has no {name}"
+            for name in (imported.split()[0] for imported in (inside or plain).split(",")):
+                resolves = hasattr(module, name) or find_spec(f"{home}.{name}") is not None
+                assert resolves, f"{path}: {home} has no {name}"
 
 
 def test_what_a_notebook_shows_of_objects_names_them_and_runs_nothing() -> None:
@@ -238,9 +238,9 @@ def test_what_a_notebook_shows_of_objects_names_them_and_runs_nothing() -> None:
         "S1002 on 60E1": wrsim.load(ROOT / "scenarios" / "static_s1002.toml"),
         "R 300 m": wrsim.Track.build([wrsim.Straight(10.0), wrsim.Arc(20.0, radius=300.0)]),
     }
-    for words, thing in texts.items():
+    for subject, thing in texts.items():
         shown = thing._repr_html_()
-        assert Path(words).stem.split("/")[0] in shown and shown.count("<table>") == 1, words
+        assert Path(subject).stem.split("/")[0] in shown and shown.count("<table>") == 1, subject
     evil = wrsim.load_text(texts["S1002 on 60E1"].text, ROOT / "scenarios").with_values(
         {"title": "<script>evil()</script>"}
     )
@@ -248,7 +248,7 @@ def test_what_a_notebook_shows_of_objects_names_them_and_runs_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "words"),
+    ("call", "message"),
     [
         (lambda pair: wrsim.contact_model(*pair, radius=460.0), "radius = 460"),
         (lambda pair: wrsim.contact_model("wheels/S1002.toml", pair[1], 0.46), "must be a Profile"),
@@ -269,7 +269,7 @@ def test_what_a_notebook_shows_of_objects_names_them_and_runs_nothing() -> None:
         (lambda pair: wrsim.run_study(None), "None: must be the name of a file"),
     ],
 )
-def test_what_cannot_be_is_named_from_python_too(call, words: str) -> None:
+def test_what_cannot_be_is_named_from_python_too(call, message: str) -> None:
     pair = wrsim.load_profile("wheels/S1002.toml"), wrsim.load_profile("rails/60E1.toml").inclined(1 / 40)
-    with pytest.raises(wrsim.InputError, match=words):
+    with pytest.raises(wrsim.InputError, match=message):
         call(pair)

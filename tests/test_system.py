@@ -19,19 +19,19 @@ TEXTS = {"read_text": 0, "write_text": 1}
 
 def faults(path: Path) -> list[str]:
     """What in a source runs on some systems alone, or reads text in an encoding that depends on the system."""
-    found = []
+    messages = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         line = f"{path.name}:{getattr(node, 'lineno', 0)}"
         if isinstance(node, ast.Import | ast.ImportFrom):
             names = {getattr(node, "module", None), *(alias.name for alias in node.names)}
-            found += [f"{line}: import {name}" for name in names & (MODULES | NAMES)]
+            messages += [f"{line}: import {name}" for name in names & (MODULES | NAMES)]
         elif isinstance(node, ast.Attribute) and node.attr in NAMES:
-            found.append(f"{line}: {node.attr}")
+            messages.append(f"{line}: {node.attr}")
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in TEXTS:
             named = any(keyword.arg == "encoding" for keyword in node.keywords)
             if not named and len(node.args) == TEXTS[node.func.attr]:
-                found.append(f"{line}: {node.func.attr} without an encoding")
-    return found
+                messages.append(f"{line}: {node.func.attr} without an encoding")
+    return messages
 
 
 def test_one_module_alone_has_what_runs_on_some_systems_only() -> None:
@@ -70,8 +70,8 @@ def test_reading_at_a_place_moves_nothing(tmp_path: Path) -> None:
 def test_commands_are_quoted_for_the_shell_that_they_are_typed_in(monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
         patch.setattr(system.sys, "platform", "win32")
-        words = [system.quoted(word) for word in (r"C:\Runs\coach_1", "my runs", "it's", "a&b")]
-    assert words == [r"C:\Runs\coach_1", '"my runs"', '"it\'s"', '"a&b"']
+        quoted = [system.quoted(word) for word in (r"C:\Runs\coach_1", "my runs", "it's", "a&b")]
+    assert quoted == [r"C:\Runs\coach_1", '"my runs"', '"it\'s"', '"a&b"']
     with monkeypatch.context() as patch:
         patch.setattr(system.sys, "platform", "linux")
         assert system.quoted("my runs") == "'my runs'"

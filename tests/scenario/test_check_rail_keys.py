@@ -20,7 +20,7 @@ def test_the_shorthand_is_the_rail_that_is_drawn_and_its_sections_part_in_the_fl
         for place, flangeway in ((8, 60), (10, 41), (14, 41), (16, 60))
     ]
     surface = build(scenario.with_values({"track.rail_sections": sections})).surfaces[0]
-    assert [own.distance for own in surface.sections] == pytest.approx([8, 10, 14, 16], abs=0.1)
+    assert [section.distance for section in surface.sections] == pytest.approx([8, 10, 14, 16], abs=0.1)
     assert len(surface.pieces) == 2
     with pytest.raises(InputError, match="check_rail"):
         scenario.with_values({"track.check_rail": {"flangeway_mm": 41}})

@@ -94,8 +94,8 @@ def test_a_table_and_sections_say_the_same_and_standing_wheels_feel_one_place(tm
 def test_bad_friction_along_the_track_is_refused(more: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "mu.csv").write_text("at_m,left,right\n5,0.3,0.3\n4,0.3,0.3\n")
     (tmp_path / "high.csv").write_text("at_m,left,right\n5,7,0.3\n")
-    found = faults(edited(CURVE, "friction = 0.35", f"friction = 0.35\n{more}"), tmp_path)
-    assert any(message in line for line in found), found
+    messages = faults(edited(CURVE, "friction = 0.35", f"friction = 0.35\n{more}"), tmp_path)
+    assert any(message in line for line in messages), messages
 
 
 def test_slope_reduction_belongs_to_two_models() -> None:

@@ -30,32 +30,32 @@ def attributes_of(scenario: Scenario) -> dict[str, str | float | int]:
 def test_a_result_holds_the_model_files_that_it_was_computed_from(name, tmp_path, monkeypatch):
     """No file is opened to set up its scenario."""
     about = attributes_of(load(SCENARIOS / f"{name}.toml"))
-    monkeypatch.setattr("wrsim.inputs.toml_files._content", lambda path, what: pytest.fail(f"opened {path}"))
+    monkeypatch.setattr("wrsim.inputs.toml_files._content", lambda path, kind: pytest.fail(f"opened {path}"))
     assert numbers_digest(build(scenario_of(about, tmp_path))) == about["digest"]
     assert len(about["model_files"]) < 40_000
 
 
 def test_what_was_computed_counts_whatever_becomes_of_the_files(tmp_path, monkeypatch):
     """A wheel beside the vehicle, another in a folder of models, a rail that is named absolutely: changed, gone."""
-    folder, models, other = tmp_path / "work", tmp_path / "models", tmp_path / "other"
+    folder, models, elsewhere = tmp_path / "work", tmp_path / "models", tmp_path / "other"
     wheel, rail = (
         (SCENARIOS.parent / "models" / name).read_text() for name in ("wheels/S1002.toml", "rails/54E1.toml")
     )
-    for place in (folder / "vehicles", models / "wheels", other):
+    for place in (folder / "vehicles", models / "wheels", elsewhere):
         place.mkdir(parents=True)
     car = (SCENARIOS.parent / "models/vehicles/manchester_1.toml").read_text()
     (folder / "vehicles/car.toml").write_text(re.sub(r"(?m)^wheel = .*$", 'wheel = "../mine.toml"', car))
     worn = (SCENARIOS.parent / "models/wheels/S1002_worn.toml").read_text()
     (folder / "mine.toml").write_text(worn.replace('base = "S1002.toml"', 'base = "wheels/base.toml"'))
     (models / "wheels/base.toml").write_text(wheel)
-    (other / "rail.toml").write_text(rail)
+    (elsewhere / "rail.toml").write_text(rail)
     monkeypatch.setenv("WRSIM_MODELS", str(models))
-    changes = {"vehicle.model": "vehicles/car.toml", "track.rail": (other / "rail.toml").as_posix()}
+    changes = {"vehicle.model": "vehicles/car.toml", "track.rail": (elsewhere / "rail.toml").as_posix()}
     (folder / "run.toml").write_text(load(SCENARIOS / "manchester_r300.toml").with_values(changes).text)
     about = attributes_of(load(folder / "run.toml"))
     assert about["vehicle"] == load_vehicle(folder / "vehicles/car.toml").name != "car"
     assert str(folder) not in zlib.decompress(base64.b64decode(about["model_files"])).decode()
-    (other / "rail.toml").write_text(rail.replace("54E1", "another"))
+    (elsewhere / "rail.toml").write_text(rail.replace("54E1", "another"))
     shutil.rmtree(folder)
     shutil.rmtree(models)
     monkeypatch.delenv("WRSIM_MODELS")

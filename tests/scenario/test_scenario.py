@@ -66,12 +66,12 @@ READERS["line.toml"] += [load_profile]
 
 @pytest.mark.parametrize(("name", "read"), [(name, read) for name, readers in READERS.items() for read in readers])
 def test_a_file_of_another_kind_is_named_in_one_line_with_the_command_that_takes_it(tmp_path, name, read):
-    text, words = OTHER_KINDS[name]
+    text, message = OTHER_KINDS[name]
     (tmp_path / "curve.toml").write_text(CURVE)
     (tmp_path / name).write_text(text)
     with pytest.raises(InputError) as problem:
         read(tmp_path / name)
-    assert words in str(problem.value)
+    assert message in str(problem.value)
     assert "\n" not in str(problem.value)
 
 
@@ -210,14 +210,14 @@ def test_models_are_looked_up_beside_the_scenario_then_with_the_user_then_among_
     (tmp_path / "here/case.toml").write_text(CURVE)
     monkeypatch.setenv(VARIABLE, str(tmp_path / "environment"))
 
-    def found() -> Path:
+    def rail_file() -> Path:
         scenario = load(tmp_path / "here/case.toml", [tmp_path / "argument"])
         return scenario.find(("track", "rail"), "rails/60E1.toml")
 
-    assert found() == shipped_models() / "rails/60E1.toml"
+    assert rail_file() == shipped_models() / "rails/60E1.toml"
     for name in ("environment", "argument", "here"):  # each comes before the one before
         (tmp_path / name / "rails/60E1.toml").write_text(rail)
-        assert found() == tmp_path / name / "rails/60E1.toml"
+        assert rail_file() == tmp_path / name / "rails/60E1.toml"
 
 
 def test_a_missing_model_or_folder_of_models_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -256,7 +256,7 @@ def test_tables_that_a_change_leaves_are_those_of_its_whole_text() -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "words"),
+    ("key", "value", "message"),
     [
         ("vehicle.speed_kmh", None, "vehicle.speed_kmh = None: must be a number, a text"),
         ("contact", {"friction": None}, "contact.friction = None: must be"),
@@ -266,8 +266,8 @@ def test_tables_that_a_change_leaves_are_those_of_its_whole_text() -> None:
         ("a." * 3000 + "b", 1, "must be a text like"),
     ],
 )
-def test_values_and_keys_that_no_file_can_hold_are_refused(key, value, words):
-    with pytest.raises(InputError, match=re.escape(words)):
+def test_values_and_keys_that_no_file_can_hold_are_refused(key, value, message):
+    with pytest.raises(InputError, match=re.escape(message)):
         load(SCENARIOS / "curve_r300.toml").with_values({key: value})
 
 
@@ -466,30 +466,30 @@ def said_of(text: str, folder: Path) -> str:
 
 @pytest.mark.parametrize("key", named(""))
 def test_the_scenario_of_a_result_opens_nothing_outside_of_its_folder(key, tmp_path):
-    secret, own = tmp_path / "secret.toml", tmp_path / "result"
+    secret, result_folder = tmp_path / "secret.toml", tmp_path / "result"
     secret.write_text(SECRET)
-    own.mkdir()
+    result_folder.mkdir()
     if LINKS:
-        (own / "linked.toml").symlink_to(secret)
+        (result_folder / "linked.toml").symlink_to(secret)
     links = ["linked.toml"] * LINKS
     for name in (secret.as_posix(), "../secret.toml", *links, (tmp_path / "missing.toml").as_posix()):
         text = named(name)[key]
-        why = said_of(text, own)
-        assert f"{key} = {shown_value(name)}: lies outside of {own}, " in why
+        why = said_of(text, result_folder)
+        assert f"{key} = {shown_value(name)}: lies outside of {result_folder}, " in why
         assert "root:" not in why
     with pytest.raises(InputError, match=r"root:|secret\.toml"):  # a scenario of the user's own reads what it names
-        build(load_text(named("../secret.toml")[key], own))
+        build(load_text(named("../secret.toml")[key], result_folder))
 
 
 def test_the_models_beside_a_result_lead_nowhere_else_either(tmp_path):
-    secret, own = tmp_path / "secret.csv", tmp_path / "result"
+    secret, result_folder = tmp_path / "secret.csv", tmp_path / "result"
     secret.write_text(SECRET)
-    own.mkdir()
+    result_folder.mkdir()
     worn = (SCENARIOS.parent / "models/wheels/S1002_worn.toml").read_text()
     points = 'body = "wheel"\nname = "x"\nsource = "x"\ndate = 2026-01-01\nkind = "points"\nfile = "../secret.csv"\n'
     for text in (re.sub(r'(?m)^base = ".*?"', 'base = "../secret.csv"', worn), points):
-        (own / "wheel.toml").write_text(text)
-        why = said_of(named("wheel.toml")["vehicle.wheel"], own)
+        (result_folder / "wheel.toml").write_text(text)
+        why = said_of(named("wheel.toml")["vehicle.wheel"], result_folder)
         assert re.search(r"secret\.csv\"?: lies outside of", why)
         assert "root:" not in why
 
@@ -500,10 +500,10 @@ def test_the_folders_around_a_result_are_not_listed_and_models_in_it_are_shown(t
     with reading_within([tmp_path / "result"]), pytest.raises(InputError) as refused:
         read_text(tmp_path / "privat.toml")
     assert "private" not in str(refused.value)
-    own = tmp_path / "result"
-    (own / "rail.toml").write_text((SCENARIOS.parent / "models/rails/60E1.toml").read_text())
+    result_folder = tmp_path / "result"
+    (result_folder / "rail.toml").write_text((SCENARIOS.parent / "models/rails/60E1.toml").read_text())
     text = named("rail.toml")["track.rail"]
-    setup, why = setup_of(Result(xr.Dataset(attrs={"scenario_text": text})), own)
+    setup, why = setup_of(Result(xr.Dataset(attrs={"scenario_text": text})), result_folder)
     assert setup is not None
     assert why == ""
 

@@ -184,9 +184,9 @@ def test_a_narrowing_without_room_and_a_default_that_does_not_fit_are_refused(tm
     scenario = load(
         Path(__file__).parents[2] / "scenarios" / "manchester_r300.toml"
     )  # starts where runs start by default
-    given = scenario.with_values({"track.segments": [{"kind": "straight", "length_m": 9.0}]})
+    short_track = scenario.with_values({"track.segments": [{"kind": "straight", "length_m": 9.0}]})
     with pytest.raises(InputError, match=r"run.start_distance_m: must lie on the track, which is 9 m long"):
-        build(given)
+        build(short_track)
 
 
 def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing() -> None:
@@ -197,20 +197,20 @@ def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing() -> No
     assert not misplaced(wheel, setup.rails[0], spacing, 1.435)
 
 
-@pytest.mark.parametrize(("changes", "words"), table("slips_that_are_allowed_are_warned_of"))
-def test_slips_that_are_allowed_are_warned_of(changes, words):
-    found = warnings(build(load(SCENARIOS / "curve_r300.toml").with_values(changes)))
-    assert len(found) == len(words)
-    assert all(warning.startswith(word) for warning, word in zip(found, words, strict=True))
-    assert all("is outside of the usual" in w for w in found)
+@pytest.mark.parametrize(("changes", "beginnings"), table("slips_that_are_allowed_are_warned_of"))
+def test_slips_that_are_allowed_are_warned_of(changes, beginnings):
+    messages = warnings(build(load(SCENARIOS / "curve_r300.toml").with_values(changes)))
+    assert len(messages) == len(beginnings)
+    assert all(warning.startswith(word) for warning, word in zip(messages, beginnings, strict=True))
+    assert all("is outside of the usual" in w for w in messages)
 
 
-@pytest.mark.parametrize(("changes", "words"), table("implausible_runs_are_warned_of_once"))
-def test_implausible_runs_are_warned_of_once(changes, words):
+@pytest.mark.parametrize(("changes", "patterns"), table("implausible_runs_are_warned_of_once"))
+def test_implausible_runs_are_warned_of_once(changes, patterns):
     """Each just beyond its limit; just within there is none."""
-    found = warnings(build(load(SCENARIOS / "curve_r300.toml").with_values(changes)))
-    assert len(found) == len(words), found
-    assert all(re.search(word, warning) for warning, word in zip(found, words, strict=True)), found
+    messages = warnings(build(load(SCENARIOS / "curve_r300.toml").with_values(changes)))
+    assert len(messages) == len(patterns), messages
+    assert all(re.search(word, warning) for warning, word in zip(messages, patterns, strict=True)), messages
 
 
 def test_a_scan_of_the_other_body_is_told(tmp_path: Path) -> None:
@@ -275,9 +275,9 @@ def springs(vehicle: Vehicle, name: str) -> list[Spring]:
 def test_a_number_of_an_element_is_changed_wherever_its_part_is_placed() -> None:
     whole = load(COACH).with_set(["vehicle.bogie.primary.stiffness_kN_per_m.2=1500"])
     assert whole.text == load(COACH).with_set({"vehicle.bogie.primary.stiffness_kN_per_m.2": 1500}).text
-    found = springs(vehicle_of(whole), "primary")
-    assert len(found) == 8
-    assert {e.stiffness for e in found} == {(31391e3, 3884e3, 1500e3)}
+    primary = springs(vehicle_of(whole), "primary")
+    assert len(primary) == 8
+    assert {e.stiffness for e in primary} == {(31391e3, 3884e3, 1500e3)}
 
 
 @pytest.mark.parametrize("key", ["primary.stiffness_kN_per_m[2]", "parts.bogie.elements[0].stiffness_kN_per_m.2"])
@@ -302,15 +302,15 @@ def test_what_is_set_in_text_or_by_name_is_in_the_whole_vehicle_or_train() -> No
     assert [b.mass for b in vehicle_of(tram).bodies[1:]] == [2000.0] * 2  # a body of the name of its part
 
 
-@pytest.mark.parametrize(("key", "words"), table("a_mistake_in_set_is_named_as_such"))
-def test_a_mistake_in_set_is_named_as_such(key: str, words: str) -> None:
-    with pytest.raises(InputError, match=rf"^--set {key.replace('[', '.').replace(']', '.')}=-1: .*{words}"):
+@pytest.mark.parametrize(("key", "message"), table("a_mistake_in_set_is_named_as_such"))
+def test_a_mistake_in_set_is_named_as_such(key: str, message: str) -> None:
+    with pytest.raises(InputError, match=rf"^--set {key.replace('[', '.').replace(']', '.')}=-1: .*{message}"):
         vehicle_of(load(COACH).with_set([f"{key}=-1"]))
 
 
-@pytest.mark.parametrize(("option", "words"), table("words_of_other_programs_lead_to_ours"))
-def test_words_of_other_programs_lead_to_ours(option: str, words: str) -> None:
-    with pytest.raises(InputError, match=words):
+@pytest.mark.parametrize(("option", "message"), table("words_of_other_programs_lead_to_ours"))
+def test_words_of_other_programs_lead_to_ours(option: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
         build(load(COACH).with_set([option]))
 
 

@@ -34,9 +34,9 @@ def test_degrees_of_curve_are_those_of_a_chord_of_100_feet() -> None:
 
 @pytest.mark.parametrize(("key", "value", "metric_key", "expected"), table("conversions"))
 def test_the_ending_of_a_key_gives_its_unit(key: str, value: float, metric_key: str, expected: float) -> None:
-    found = metric(key)
-    assert found is not None and found.key == metric_key and key in us_keys(metric_key)
-    assert found.convert(value) == pytest.approx(expected, rel=1e-9)
+    conversion = metric(key)
+    assert conversion is not None and conversion.key == metric_key and key in us_keys(metric_key)
+    assert conversion.convert(value) == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_scenario_in_us_units_is_the_metric_one_and_follows_set_base_and_studies(tmp_path: Path) -> None:

@@ -114,12 +114,12 @@ def test_a_level_alignment_is_the_track_of_its_segments() -> None:
         Cant(100.0, 80.0, half, half), Cant(180.0, 50.0, half, (0.0, 0.0), "cosine"),
         Cant(230.0, 30.0, (0.0, 0.0), (0.0, 0.0)),
     ]  # fmt: skip
-    one, other = Track.build(row), track_of(plan, cant)
+    from_segments, from_lists = Track.build(row), track_of(plan, cant)
     s = np.linspace(0.0, 260.0, 131)
-    assert np.abs(one.curvature(s) - other.curvature(s)).max() < 1e-15
-    assert np.abs(one.cant(s) - other.cant(s)).max() < 1e-15
-    assert [f.label for f in one.features()] == [f.label for f in other.features()]
-    assert one.segments == tuple(row)  # no length is summed and parted again
+    assert np.abs(from_segments.curvature(s) - from_lists.curvature(s)).max() < 1e-15
+    assert np.abs(from_segments.cant(s) - from_lists.cant(s)).max() < 1e-15
+    assert [f.label for f in from_segments.features()] == [f.label for f in from_lists.features()]
+    assert from_segments.segments == tuple(row)  # no length is summed and parted again
 
 
 def test_a_viennese_bend_takes_the_cant_of_the_other_list() -> None:
@@ -128,17 +128,17 @@ def test_a_viennese_bend_takes_the_cant_of_the_other_list() -> None:
         Cant(0.0, 100.0, (0.0, 0.0), (-0.05, 0.05), "viennese"),
         Cant(100.0, 50.0, (-0.05, 0.05), (-0.05, 0.05)),
     ]
-    one = Track.build([Transition(100.0, "viennese", centre_of_gravity_height=1.8), Arc(50.0, 300.0, 0.1)])
+    from_segments = Track.build([Transition(100.0, "viennese", centre_of_gravity_height=1.8), Arc(50.0, 300.0, 0.1)])
     s = np.linspace(0.0, 150.0, 101)
-    assert np.abs(one.curvature(s) - track_of(plan, cant).curvature(s)).max() < 1e-15
+    assert np.abs(from_segments.curvature(s) - track_of(plan, cant).curvature(s)).max() < 1e-15
     with pytest.raises(InputError, match=r"plan\[0\]: centre_of_gravity_height_m is missing"):
         track_of([replace(plan[0], centre_of_gravity_height=None), plan[1]], cant)
 
 
-@pytest.mark.parametrize(("which", "number", "change", "message"), table("wrong_elements_are_refused"))
-def test_wrong_elements_are_refused(which: str, number: int, change: dict[str, Any], message: str) -> None:
+@pytest.mark.parametrize(("list_name", "number", "change", "message"), table("wrong_elements_are_refused"))
+def test_wrong_elements_are_refused(list_name: str, number: int, change: dict[str, Any], message: str) -> None:
     lists: dict[str, list[Any]] = {"plan": list(PLAN), "cant": list(CANT), "profile": list(PROFILE)}
-    lists[which][number] = replace(lists[which][number], **change)
+    lists[list_name][number] = replace(lists[list_name][number], **change)
     with pytest.raises(InputError, match=message):
         alignment_laws(**lists)
     with pytest.raises(InputError, match="plan of the alignment is empty"):

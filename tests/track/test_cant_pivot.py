@@ -68,10 +68,12 @@ def test_the_pivot_stays_at_the_height_of_the_grade_line(pivot: Pivot) -> None:
 
 def test_left_and_right_exchanged_the_low_rail_is_the_low_rail() -> None:
     row = [replace(s, radius=-s.radius) if isinstance(s, Arc) else s for s in ROW]
-    one, other = track("low rail"), track("low rail", row)
-    s = np.linspace(0.0, one.length, 201)
-    assert np.abs(one.centre_line.position(s) * (1.0, -1.0, 1.0) - other.centre_line.position(s)).max() < 1e-10
-    assert np.abs(np.array(one.rail_heights(s)) - other.rail_heights(s)[::-1]).max() < 1e-12
+    right_hand, left_hand = track("low rail"), track("low rail", row)
+    s = np.linspace(0.0, right_hand.length, 201)
+    assert (
+        np.abs(right_hand.centre_line.position(s) * (1.0, -1.0, 1.0) - left_hand.centre_line.position(s)).max() < 1e-10
+    )
+    assert np.abs(np.array(right_hand.rail_heights(s)) - left_hand.rail_heights(s)[::-1]).max() < 1e-12
 
 
 @pytest.mark.parametrize("pivot", ["low rail", "high rail"])

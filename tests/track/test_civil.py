@@ -45,9 +45,9 @@ def test_one_line_in_three_formats_is_one_track(tmp_path: Path) -> None:
     paths = [*(written(tmp_path, kind) for kind in TEXTS), written(tmp_path, "landxml", level, "level")]
     tracks = [track_model(path) for path in paths]
     s = np.linspace(0.0, 300.0, 601)
-    for one, another in ((0, 1), (2, 3)):
+    for first_format, another in ((0, 1), (2, 3)):
         for law in ("curvature", "cant", "grade"):
-            values = [getattr(tracks[i], law)(s) for i in (one, another)]
+            values = [getattr(tracks[i], law)(s) for i in (first_format, another)]
             np.testing.assert_allclose(*values, rtol=0.0, atol=1e-9)
     first = tracks[0]
     assert first.curvature(150.0) == pytest.approx(1.0 / 300.0, rel=1e-4)  # to the left
@@ -60,13 +60,13 @@ def test_one_line_in_three_formats_is_one_track(tmp_path: Path) -> None:
 def test_what_programs_write_differently_is_one_track(tmp_path: Path, old: str, new: str) -> None:
     assert old in TEXTS["landxml"]
     first = track_model(written(tmp_path, "landxml"))
-    other = track_model(written(tmp_path, "landxml", TEXTS["landxml"].replace(old, new), "other"))
+    variant = track_model(written(tmp_path, "landxml", TEXTS["landxml"].replace(old, new), "other"))
     s = np.linspace(0.0, first.length, 501)
-    assert np.abs(other.centre_line.position(s) - first.centre_line.position(s)).max() < 1e-4  # angles of 1 mm points
-    np.testing.assert_allclose(other.cant(s), first.cant(s), rtol=0.0, atol=1e-9)
-    assert (other.nominal_gauge, other.cant_base) == pytest.approx((1.435, 1.5))
-    assert first.alignment is not None and other.alignment is not None
-    assert other.alignment.origin == pytest.approx(first.alignment.origin, abs=1e-9)
+    assert np.abs(variant.centre_line.position(s) - first.centre_line.position(s)).max() < 1e-4  # angles of 1 mm points
+    np.testing.assert_allclose(variant.cant(s), first.cant(s), rtol=0.0, atol=1e-9)
+    assert (variant.nominal_gauge, variant.cant_base) == pytest.approx((1.435, 1.5))
+    assert first.alignment is not None and variant.alignment is not None
+    assert variant.alignment.origin == pytest.approx(first.alignment.origin, abs=1e-9)
 
 
 def test_cant_is_held_beyond_its_stations(tmp_path: Path) -> None:

@@ -75,11 +75,11 @@ def test_curvature_and_plan_follow_the_definition(form: Form, start: float, end:
 @pytest.mark.parametrize("form", FORMS)
 def test_a_transition_passed_the_other_way_is_the_same_line(form: Form) -> None:
     for start, end, length in ENDS:
-        there = alone(form, start, end, length)
+        forward = alone(form, start, end, length)
         back = alone(form, -end, -start, length)
         s = np.linspace(0.0, length, 11)
-        points = there.centre_line.position(s) - there.centre_line.position(length)
-        turn = math.pi - float(there.heading(length))
+        points = forward.centre_line.position(s) - forward.centre_line.position(length)
+        turn = math.pi - float(forward.heading(length))
         c, sn = math.cos(turn), math.sin(turn)
         turned = np.stack((c * points[:, 0] - sn * points[:, 1], sn * points[:, 0] + c * points[:, 1]), axis=1)
         assert np.abs(turned - back.centre_line.position(length - s)[:, :2]).max() < 1e-10
@@ -144,10 +144,12 @@ def test_two_transitions_meet_where_one_of_them_says() -> None:
     arc = Arc(60.0, 200.0, 0.1)
     first, second = Transition(40.0, radius_end=500.0, cant_end=0.05), Transition(30.0, "bloss")
     track = Track.build([Straight(20.0), first, second, arc])
-    other = Track.build([Straight(20.0), Transition(40.0), replace(second, radius_start=500.0, cant_start=0.05), arc])
+    second_named = Track.build(
+        [Straight(20.0), Transition(40.0), replace(second, radius_start=500.0, cant_start=0.05), arc]
+    )
     s = np.linspace(0.0, track.length, 301)
-    assert np.array_equal(track.curvature(s), other.curvature(s))
-    assert np.array_equal(track.cant(s), other.cant(s))
+    assert np.array_equal(track.curvature(s), second_named.curvature(s))
+    assert np.array_equal(track.cant(s), second_named.cant(s))
     assert float(track.curvature(60.0)) == pytest.approx(1.0 / 500.0)
     assert float(track.cant(62.0)) == pytest.approx(0.05 + 0.05 * DEFINITIONS["bloss"](2.0 / 30.0))
     for row in ([first, replace(second, radius_start=500.0)], [replace(first, radius_end=None, cant_end=0.0), second]):

@@ -102,8 +102,8 @@ def test_rail_rows_are_derivatives_of_a_canted_uneven_rail_in_a_climbing_curve(s
     assert np.abs(table[:, 3:6] - tangent).max() < 1e-8  # e^2 p''' / 6
     assert np.abs(table[:, 8:11] - bend).max() < 2e-5  # rounding: 1e-13 / e^2, and a spline's third derivative jumps
     # rows at even steps of the rail's own length
-    own = track.rail_distance(side, s)
-    assert own == pytest.approx(np.arange(len(own)) * path.step, abs=1e-9)
+    rail_distance = track.rail_distance(side, s)
+    assert rail_distance == pytest.approx(np.arange(len(rail_distance)) * path.step, abs=1e-9)
 
 
 @pytest.mark.parametrize("grades, message", table("a_grade_that_cannot_be_is_named"))
@@ -142,12 +142,14 @@ def test_the_mid_chord_offset_of_a_deviation_on_its_own_chord_is_its_amplitude(c
     length = chord * 0.3048
     middles = 30.0 + length * (np.arange(3) + 0.5)
 
-    def at(s: np.ndarray) -> np.ndarray:
+    def deviation_at(s: np.ndarray) -> np.ndarray:
         return offset(*(np.column_stack(track.irregularity(side, s)) for side in ("left", "right")))
 
-    ordinates = at(middles) - 0.5 * (at(middles - 0.5 * length) + at(middles + 0.5 * length))
+    ordinates = deviation_at(middles) - 0.5 * (
+        deviation_at(middles - 0.5 * length) + deviation_at(middles + 0.5 * length)
+    )
     assert ordinates == pytest.approx([0.012] * 3, abs=1e-9)
-    assert at(np.array([29.9, 30.1 + 3 * length])) == pytest.approx([0.0, 0.0], abs=1e-4)
+    assert deviation_at(np.array([29.9, 30.1 + 3 * length])) == pytest.approx([0.0, 0.0], abs=1e-4)
 
 
 def test_a_combined_deviation_moves_one_rail_out_and_down() -> None:
@@ -233,11 +235,11 @@ def test_third_octaves_of_the_rails_hold_the_spectrum_within_1_db(long_track: Tr
         "level": 0.5 * (left[:, 2] + right[:, 2]),
         "cross-level": right[:, 2] - left[:, 2],
     }
-    for channel, own in measured.items():
-        edges, found = third_octaves(own, step, 1.25, 100.0)
+    for channel, rail_rows in measured.items():
+        edges, densities = third_octaves(rail_rows, step, 1.25, 100.0)
         bands = [np.linspace(a, b, 201) for a, b in pairwise(edges)]
         wanted = np.array([np.trapezoid(SPECTRA["ERRI-high"].densities[channel](w), w) for w in bands])
-        assert np.abs(10.0 * np.log10(found / wanted)).max() < 1.0, channel
+        assert np.abs(10.0 * np.log10(densities / wanted)).max() < 1.0, channel
     gauge = left[:, 1] - right[:, 1]
     assert np.abs(gauge - gauge[0]).max() < 1e-8  # B176 has none; what is left are the rows
 
@@ -278,10 +280,13 @@ def test_the_same_seed_gives_the_same_track_to_the_bit_and_another_seed_another(
         drawn = Realisation("FRA-4", seed, 3.0, 60.0, 0.0, 300.0).disturbances()
         return Track.build(CURVE, irregularities=drawn)
 
-    one, again, other = track(3), track(3), track(4)
+    drawn_first, drawn_again, other_seed = track(3), track(3), track(4)
     for side in ("left", "right"):
-        assert getattr(one, side).table.tobytes() == getattr(again, side).table.tobytes()
-        assert np.abs(getattr(one, side).table[100:200, 2] - getattr(other, side).table[100:200, 2]).max() > 1e-4
+        assert getattr(drawn_first, side).table.tobytes() == getattr(drawn_again, side).table.tobytes()
+        assert (
+            np.abs(getattr(drawn_first, side).table[100:200, 2] - getattr(other_seed, side).table[100:200, 2]).max()
+            > 1e-4
+        )
 
 
 def test_irregularities_begin_gently_and_are_rougher_the_lower_their_class() -> None:
@@ -340,11 +345,11 @@ def test_a_track_laid_from_its_own_measurement_is_the_same_track(tmp_path: Path)
     again = Track.from_laws(table.laws(1.435), 1.435, irregularities=table.disturbances(0.0, 1e-3), **OFFSETS)
     places = np.linspace(1.0, 179.0, 400)
     for side in ("left", "right"):
-        one = getattr(track, side).frame(track.rail_distance(side, places))
-        two = getattr(again, side).frame(again.rail_distance(side, places))
+        design_frame = getattr(track, side).frame(track.rail_distance(side, places))
+        table_frame = getattr(again, side).frame(again.rail_distance(side, places))
         # curvature of the Bloss ramp is taken as straight over 0.25 m: 3e-7 1/m, over 40 m twice integrated
-        assert np.abs(one[:, 0] - two[:, 0]).max() < 2e-4
-        assert np.abs(one[:, 1:] - two[:, 1:]).max() < 1e-4
+        assert np.abs(design_frame[:, 0] - table_frame[:, 0]).max() < 2e-4
+        assert np.abs(design_frame[:, 1:] - table_frame[:, 1:]).max() < 1e-4
         assert np.abs(offsets(track, side, places) - offsets(again, side, places)).max() < 5e-6
 
 
@@ -500,13 +505,13 @@ def test_a_run_that_starts_within_irregularities_starts_on_even_track() -> None:
     """They fade in over the vehicle's length ahead of its first axle; beyond that they are those of the track."""
     setup = build(load_text(LINE + "start_distance_m = 500\ndistance_m = 50"))
     front = 500.0 + max(mounted.x for mounted in setup.vehicle.wheelsets)
-    own, plain = setup.track.left_curve.irregularity, build(load_text(LINE + "distance_m = 600")).track
+    faded, plain = setup.track.left_curve.irregularity, build(load_text(LINE + "distance_m = 600")).track
     before, behind = np.linspace(480.0, front, 50), np.linspace(front + 30.0, 560.0, 50)
-    assert not any(np.abs(part(before)).max() for part in (own.lateral, own.vertical))
-    assert np.array(own.vertical(behind)) == pytest.approx(np.array(plain.left_curve.irregularity.vertical(behind)))
+    assert not any(np.abs(part(before)).max() for part in (faded.lateral, faded.vertical))
+    assert np.array(faded.vertical(behind)) == pytest.approx(np.array(plain.left_curve.irregularity.vertical(behind)))
     s, h = np.linspace(front + 1.0, front + 18.0, 40), 1e-4
-    value, slope, bend = own.lateral(s)
-    (late, rate, _), (early, before_rate, _) = own.lateral(s + h), own.lateral(s - h)
+    value, slope, bend = faded.lateral(s)
+    (late, rate, _), (early, before_rate, _) = faded.lateral(s + h), faded.lateral(s - h)
     assert (late - early) / (2.0 * h) == pytest.approx(slope, abs=1e-8) and np.ptp(value) > 1e-4
     assert (rate - before_rate) / (2.0 * h) == pytest.approx(bend, abs=1e-7)
     note = str(setup.attributes()["irregularities"])

@@ -154,10 +154,10 @@ def test_several_turns_are_followed_without_a_wrapped_angle() -> None:
     s = np.arange(0.5, track.left.length, 0.25)
     points = track.left.frame(s)
     wheel = points[:, 0] + 0.46 * points[:, 3] + 0.01 * points[:, 2]
-    found = 0.0
+    located = 0.0
     for k in range(len(s)):
-        found = float(locate(track.left, wheel[k], found))
-        assert abs(found - s[k]) < 1e-9
+        located = float(locate(track.left, wheel[k], located))
+        assert abs(located - s[k]) < 1e-9
     steps = np.linalg.norm(np.diff(points[:, 1], axis=0), axis=1)
     # no tangent jumps anywhere, +-pi included; the blend of the arc's sudden end overshoots by 5 %
     assert steps.max() < 1.06 * 0.25 / (radius - 1.0)
@@ -243,9 +243,9 @@ def test_rail_distance_and_centre_distance_are_inverse_and_table_rows_are_evenly
     track = Track.build(s_curve(60.0))
     s = np.linspace(-5.0, track.length + 5.0, 500)
     for side in ("left", "right"):
-        own = track.rail_distance(side, s)
-        assert np.all(np.diff(own) > 0.0)
-        assert np.abs(getattr(track, f"{side}_curve").distance(own) - s).max() < 1e-11
+        rail_distance = track.rail_distance(side, s)
+        assert np.all(np.diff(rail_distance) > 0.0)
+        assert np.abs(getattr(track, f"{side}_curve").distance(rail_distance) - s).max() < 1e-11
         path = getattr(track, side)
         assert path.length == pytest.approx(float(track.rail_distance(side, track.length)), abs=1e-12)
         assert np.abs(np.linalg.norm(path.table[:, 3:6], axis=1) - 1.0).max() < 1e-15
@@ -267,18 +267,18 @@ def test_quarter_metre_tables_follow_the_exact_rails_within_a_micrometre(radius:
         assert np.abs(frame[:, 1] - fine.table[:, 3:6]).max() < 1.5e-5
 
 
-@pytest.mark.parametrize("segments, words", table("a_wrong_segment_is_named"))
-def test_a_wrong_segment_is_named_with_its_number_key_value_and_what_is_allowed(segments: list, words: list[str]):
+@pytest.mark.parametrize("segments, messages", table("a_wrong_segment_is_named"))
+def test_a_wrong_segment_is_named_with_its_number_key_value_and_what_is_allowed(segments: list, messages: list[str]):
     kinds = {"straight": Straight, "transition": Transition, "arc": Arc}
     with pytest.raises(InputError) as error:
-        Track.build([kinds[one[0]](*one[1:]) if isinstance(one, list) else one for one in segments])
-    for word in words:
+        Track.build([kinds[entry[0]](*entry[1:]) if isinstance(entry, list) else entry for entry in segments])
+    for word in messages:
         assert word in str(error.value)
 
 
-@pytest.mark.parametrize("arguments, words", table("a_wrong_property_of_the_track_is_named"))
-def test_a_wrong_property_of_the_track_is_named(arguments: dict, words: str) -> None:
-    with pytest.raises(InputError, match=words):
+@pytest.mark.parametrize("arguments, message", table("a_wrong_property_of_the_track_is_named"))
+def test_a_wrong_property_of_the_track_is_named(arguments: dict, message: str) -> None:
+    with pytest.raises(InputError, match=message):
         Track.build([Straight(10.0)], **arguments)
 
 
@@ -290,20 +290,20 @@ FILE = Path(__file__).parents[2] / "models" / "crossings" / "60E1_1in9.toml"
 def changed(folder, *pairs):
     text = FILE.read_text()
     for key, value in pairs:
-        line = next(one for one in text.splitlines() if one.startswith(f"{key} ="))
+        line = next(row for row in text.splitlines() if row.startswith(f"{key} ="))
         text = text.replace(line, f"{key} = {value}")
     path = folder / "crossing.toml"
     path.write_text(text)
     return path
 
 
-def at(sections, distance):
-    return min(sections, key=lambda own: abs(own.distance - distance))
+def section_at(sections, distance):
+    return min(sections, key=lambda section: abs(section.distance - distance))
 
 
-def marks(own):
+def marks(section):
     """Places of the features (2, 7) [mm]."""
-    return 1e3 * np.array(own.profile.at(np.array(own.features)))
+    return 1e3 * np.array(section.profile.at(np.array(section.features)))
 
 
 @pytest.fixture(scope="module")
@@ -314,39 +314,39 @@ def sections():
 def test_before_and_behind_the_crossing_the_rail_is_plain():
     inclination = 1 / 40
     rail = load_profile("rails/60E1.toml").inclined(inclination)
-    found = read_crossing(FILE, inclination)
-    for own in (found[0], found[-1]):
+    sections = read_crossing(FILE, inclination)
+    for section in (sections[0], sections[-1]):
         arc = np.linspace(0.0, rail.length, 300)
-        np.testing.assert_allclose(own.profile.at(arc), rail.at(arc), atol=2e-9)
+        np.testing.assert_allclose(section.profile.at(arc), rail.at(arc), atol=2e-9)
 
 
 def test_the_nose_is_as_wide_as_its_angle_says_and_the_flangeway_stays(sections):
-    for own in sections:
-        if not 0.13 < own.distance < 0.64:
+    for section in sections:
+        if not 0.13 < section.distance < 0.64:
             continue
         # flanks lie in the planes of the plain rail's: where its corner ends they are apart by the width
-        (u, w), level = marks(own), marks(sections[-1])[1][0]
+        (u, w), level = marks(section), marks(sections[-1])[1][0]
         lean = (w[[0, 2]] - level) / 20.0
-        assert u[2] + lean[1] - u[0] + lean[0] == pytest.approx(1e3 * own.distance / 9.0, abs=1e-6)
+        assert u[2] + lean[1] - u[0] + lean[0] == pytest.approx(1e3 * section.distance / 9.0, abs=1e-6)
         assert u[4] - u[2] - lean[1] == pytest.approx(44.0, abs=1e-6)
         assert u[0] - lean[0] == pytest.approx(marks(sections[-1])[0][0], abs=1e-6)
 
 
 def test_a_nose_has_the_corners_the_crown_and_the_height_of_its_file(tmp_path):
     path = changed(tmp_path, ("crown_radius_mm", 30))
-    for own in read_crossing(path):
-        width = 1e3 * own.distance / 9.0
+    for section in read_crossing(path):
+        width = 1e3 * section.distance / 9.0
         if not 14.0 <= width < 71.0:
             continue
-        profile, (corner, crown, *_) = own.profile, own.features
+        profile, (corner, crown, *_) = section.profile, section.features
         share = min((width - 14.0) / 36.0, 1.0)
         lowered = (0.9 - share if share < 0.8 else 2.5 * (1.0 - share) ** 2) / 0.9
         assert 1e3 * profile.at(crown)[1] == pytest.approx(-3.5 * lowered, abs=1e-6)
         assert 1e3 / abs(float(profile.curvature(corner + 1e-6))) == pytest.approx(6.0 + 7.0 * share, rel=1e-6)
-        found = 1e3 / abs(float(profile.curvature(crown)))
-        assert found < 30.0 if width < 30.0 else found <= 30.0 * (1.0 + 1e-9)
+        radius = 1e3 / abs(float(profile.curvature(crown)))
+        assert radius < 30.0 if width < 30.0 else radius <= 30.0 * (1.0 + 1e-9)
         if width > 40.0:
-            assert found == pytest.approx(30.0, rel=1e-9)
+            assert radius == pytest.approx(30.0, rel=1e-9)
 
 
 def test_the_nose_rises_without_steps_and_alike_for_a_trailing_wheel(sections):
@@ -356,17 +356,17 @@ def test_the_nose_rises_without_steps_and_alike_for_a_trailing_wheel(sections):
     assert slopes.min() > -1e-3
     assert slopes.max() < 1.05 * 3.5 / (36.0 * 9.0) / 0.9
     assert nose[-1] == pytest.approx(0.0, abs=1e-6)
-    for one, other in zip(sections, reversed(read_crossing(FILE, trailing=True)), strict=True):
-        assert one.distance == -other.distance
-        assert one.features == other.features
+    for facing, trailing in zip(sections, reversed(read_crossing(FILE, trailing=True)), strict=True):
+        assert facing.distance == -trailing.distance
+        assert facing.features == trailing.features
 
 
-@pytest.mark.parametrize(("key", "value", "words"), table("wrong_crossings_are_refused"))  # fmt: skip
-def test_wrong_crossings_are_refused(tmp_path, key, value, words):
+@pytest.mark.parametrize(("key", "value", "message"), table("wrong_crossings_are_refused"))  # fmt: skip
+def test_wrong_crossings_are_refused(tmp_path, key, value, message):
     path = changed(tmp_path, (key, value))
     with pytest.raises(InputError) as error:
         read_crossing(path)
-    assert words in str(error.value)
+    assert message in str(error.value)
     assert str(path) in str(error.value)
 
 
