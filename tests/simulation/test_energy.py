@@ -40,8 +40,8 @@ class Bouncing:
     def __init__(self) -> None:
         mass = runs.AXLE_LOAD / STANDARD_GRAVITY
         self.ride = runs.cone_ride([Straight(100.0)], 0.0, start=10.0, settings=PLAIN, mass=mass)
-        found = self.ride.steady(("z",))
-        self.q, self.rest = found.q, found.q_t
+        steady = self.ride.steady(("z",))
+        self.q, self.rest = steady.q, steady.q_t
         deep = self.contact(self.q)[0][0]
         heights = self.q[0] + np.linspace(0.99 * deep, -deep, 1000)
         rows = [self.contact(np.array([z, *self.q[1:]]))[0] for z in heights]
@@ -132,18 +132,18 @@ CURVES = {
 def test_the_frame_gives_what_the_creep_forces_dissipate(curve):
     """In steady curving the power of springs and weight on the wheelset is the wear number times the rolling speed."""
     setup = CURVES[curve]()
-    own = runs.ride(setup)
-    q, q_t = start_state(setup, own.law)
-    own.law.set_search_start(own.law.start)
-    own.law(0.0, q, q_t, np.zeros(own.law.size))
-    bare = VehicleOnTrack(own.vehicle, own.track, (), speed=own.law.speed, start=own.law.start)
+    axle = runs.ride(setup)
+    q, q_t = start_state(setup, axle.law)
+    axle.law.set_search_start(axle.law.start)
+    axle.law(0.0, q, q_t, np.zeros(axle.law.size))
+    bare = VehicleOnTrack(axle.vehicle, axle.track, (), speed=axle.law.speed, start=axle.law.start)
     bare.set_search_start(bare.start)
-    given = np.zeros(bare.size)
-    bare(0.0, q, q_t, given)
-    arrays = [wheel.model.arrays for wheel in own.law.wheels[0]]
+    forces = np.zeros(bare.size)
+    bare(0.0, q, q_t, forces)
+    arrays = [wheel.model.arrays for wheel in axle.law.wheels[0]]
     dissipated = sum(a.total["wear"] * a.pose[6] for a in arrays)
     # .10 % in R 160: bisectors of the normals pass the axle of a yawed wheel by some micrometres
-    assert given @ q_t == pytest.approx(dissipated, rel=1.5e-3)
+    assert forces @ q_t == pytest.approx(dissipated, rel=1.5e-3)
 
 
 # The derivative that an implicit step uses, of every contact law, beside central differences of cold contacts.
@@ -205,8 +205,8 @@ def test_the_derivative_is_that_of_the_forces(normal: str, creep: str, pose: str
     for by_q, by_q_t in DIRECTIONS:
         with law.following(CONTACT_TOLERANCE):
             law(0.0, q, q_t, np.zeros(law.size))
-            found = force_derivative(law, q, q_t, 1, 0.0, by_q, by_q_t, central=False)[:6, :6] / SCALE[:, None]
-        whole = np.linalg.norm(found / SCALE)
+            derivative = force_derivative(law, q, q_t, 1, 0.0, by_q, by_q_t, central=False)[:6, :6] / SCALE[:, None]
+        whole = np.linalg.norm(derivative / SCALE)
         for c, name in enumerate(COORDINATES):
             h = min(SMALL[name] / max(by_q, 1e-300), SMALL_RATE / max(by_q_t, 1e-300))
             unit = np.eye(law.size)[c] * h
@@ -214,7 +214,7 @@ def test_the_derivative_is_that_of_the_forces(normal: str, creep: str, pose: str
             central = (up[1] - down[1]) / (2.0 * h)
             bent = np.linalg.norm((up + down - 2.0 * middle) / (SPANS[:, None] * h) ** 2, axis=1).max()
             noise = 2.0 * warm_error / h + cold_error / h
-            error = np.linalg.norm(found[:, c] - central)
+            error = np.linalg.norm(derivative[:, c] - central)
             assert error <= h * bent + noise, (name, by_q, by_q_t)
             assert h * bent + noise <= ALLOWED * SCALE[c] * whole, (name, by_q, by_q_t)
 
@@ -284,8 +284,8 @@ def test_a_free_conical_wheelset_in_a_curve_sits_on_its_rolling_line(radius):
     speed = 20.0
     cant = 1.565 * np.sin(np.arctan(speed**2 / (9.80665 * abs(radius))))
     free = runs.cone_ride([Arc(400.0, radius, cant=cant)], speed, start=50.0)
-    found = free.steady(("z", "y", "heading", "roll", "spin"))
-    motion = free.run(found.q, found.q_t, 1e-3)
+    steady = free.steady(("z", "y", "heading", "roll", "spin"))
+    motion = free.run(steady.q, steady.q_t, 1e-3)
     outward = -np.sign(radius) * free.poses(motion).lateral[0]
     assert outward == pytest.approx(ROLLING_LINE * ROLL_FACTOR / abs(radius), rel=5e-3)
     # in terms of where the wheels run, which is what rolls: no factor but that of the true spacing
@@ -319,18 +319,18 @@ def reference(vehicle: str) -> xr.Dataset:
     return dataset
 
 
-def largest_differences(one: xr.Dataset, other: xr.Dataset) -> dict[str, float]:
+def largest_differences(first: xr.Dataset, second: xr.Dataset) -> dict[str, float]:
     """Largest difference of every channel over its largest value; places without a value must agree."""
-    found = {}
-    for name, channel in one.data_vars.items():
+    differences = {}
+    for name, channel in first.data_vars.items():
         if channel.dtype.kind == "f":
-            a, b = channel.values, other[name].values
+            a, b = channel.values, second[name].values
             assert np.array_equal(np.isnan(a), np.isnan(b)), name
             scale = np.nanmax(np.abs(a), initial=0.0)
-            found[str(name)] = np.nanmax(np.abs(a - b), initial=0.0) / (scale or 1.0)
+            differences[str(name)] = np.nanmax(np.abs(a - b), initial=0.0) / (scale or 1.0)
         elif channel.dtype.kind in "iu":
-            assert np.array_equal(channel.values, other[name].values), name
-    return found
+            assert np.array_equal(channel.values, second[name].values), name
+    return differences
 
 
 @pytest.mark.parametrize(

@@ -36,12 +36,12 @@ def near(forces, places):
 def test_a_symmetric_wheelset_rolls_straight_in_the_middle(places):
     law = KnifeEdge()
     forces = KnifeEdgeForces(example_wheelset(), SPEED, law=law)
-    found = steady_state(forces, near(forces, places))
-    assert found.residual <= 1e-9
-    assert found.q[2] == pytest.approx(0.0, abs=1e-9)
-    assert found.q[3:5] == pytest.approx([0.0, 0.0], abs=1e-9)
-    assert found.q[0] == pytest.approx(0.46 - law.approach(50e3), abs=1e-6)
-    assert found.q_t[5] == pytest.approx(SPEED / 0.46, rel=1e-5)
+    steady = steady_state(forces, near(forces, places))
+    assert steady.residual <= 1e-9
+    assert steady.q[2] == pytest.approx(0.0, abs=1e-9)
+    assert steady.q[3:5] == pytest.approx([0.0, 0.0], abs=1e-9)
+    assert steady.q[0] == pytest.approx(0.46 - law.approach(50e3), abs=1e-6)
+    assert steady.q_t[5] == pytest.approx(SPEED / 0.46, rel=1e-5)
     left, right = forces.edge_memory[1:]
     assert left == pytest.approx(right, rel=1e-6)
     assert left * np.cos(np.arctan(0.05)) == pytest.approx(50e3, rel=2e-6)
@@ -49,8 +49,8 @@ def test_a_symmetric_wheelset_rolls_straight_in_the_middle(places):
 
 def test_a_rolling_wheelset_without_springs_keeps_the_place_that_nothing_determines():
     forces = KnifeEdgeForces(example_wheelset(spring=0.0), SPEED)
-    found = steady_state(forces, near(forces, {"x": 7.0}))
-    assert found.q[1] == pytest.approx(7.0, abs=1e-9)
+    steady = steady_state(forces, near(forces, {"x": 7.0}))
+    assert steady.q[1] == pytest.approx(7.0, abs=1e-9)
 
 
 def test_steady_motion_in_an_arc_is_the_same_at_every_heading():
@@ -59,9 +59,9 @@ def test_steady_motion_in_an_arc_is_the_same_at_every_heading():
     shifts = []
     for start in (40.0, 260.0):
         law = on_track(shipped("manchester_1"), 16.0, [Arc(400.0, 300.0, 0.1)], start).law
-        found = crept_state(law, lower_on_rails(law, *design_state(law)))
+        state = crept_state(law, lower_on_rails(law, *design_state(law)))
         wheelsets = (slice(6 * i, 6 * i + 6) for i in range(4))
-        poses = [poses_on_track(law.track.centre, found.q[None, w], found.q_t[None, w], start) for w in wheelsets]
+        poses = [poses_on_track(law.track.centre, state.q[None, w], state.q_t[None, w], start) for w in wheelsets]
         shifts.append([pose.lateral.item() for pose in poses])
     assert min(shifts[0]) < -5e-3
     np.testing.assert_allclose(*shifts, rtol=0.0, atol=1e-8)
@@ -123,25 +123,25 @@ def laid(track: Track) -> dict[str, tuple[float, float]]:
     vehicle = shipped("manchester_motor")
     law = VehicleOnTrack(vehicle, track, (), speed=10.0, start=START)
     q, q_t = design_state(law)
-    found = {}
+    lateral_and_yaw = {}
     for i, part in enumerate(vehicle.parts):
-        own = slice(6 * i, 6 * i + 6)
-        pose = poses_on_track(track.centre, q[None, own], q_t[None, own], START + part.centre[0])
-        found[part.name] = float(pose.lateral[0]), float(pose.yaw[0])
-    return found
+        coordinates = slice(6 * i, 6 * i + 6)
+        pose = poses_on_track(track.centre, q[None, coordinates], q_t[None, coordinates], START + part.centre[0])
+        lateral_and_yaw[part.name] = float(pose.lateral[0]), float(pose.yaw[0])
+    return lateral_and_yaw
 
 
 @pytest.mark.parametrize("radius", [150.0, -150.0])
 def test_in_a_curve_bodies_lie_on_the_chords_of_their_wheelsets(radius):
-    found = laid(Track.build([Arc(120.0, radius)], 1.5))
+    bodies = laid(Track.build([Arc(120.0, radius)], 1.5))
     axles = np.array([9.5 + 1.28, 9.5 - 1.28, -9.5 + 1.28, -9.5 - 1.28])
-    assert found["carbody"] == pytest.approx((np.mean(axles**2) / 2.0 / radius, 0.0), abs=1e-3)
-    assert found["front.bogie.frame"] == pytest.approx((1.28**2 / 2.0 / radius, 0.0), abs=1e-4)
+    assert bodies["carbody"] == pytest.approx((np.mean(axles**2) / 2.0 / radius, 0.0), abs=1e-3)
+    assert bodies["front.bogie.frame"] == pytest.approx((1.28**2 / 2.0 / radius, 0.0), abs=1e-4)
     # a case 1.18 m ahead of the bogie's centre: nearly above the leading axle, along the frame and not along the track
-    inside, yaw = found["front.leading case"]
+    inside, yaw = bodies["front.leading case"]
     assert inside == pytest.approx((1.28**2 - 1.18**2) / 2.0 / radius, abs=1e-4)
     assert yaw == pytest.approx(-1.18 / radius, rel=1e-3)
-    assert found["front.bogie.outer"] == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert bodies["front.bogie.outer"] == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
 def test_bodies_know_their_wheelsets_and_lie_on_straight_track_where_their_file_has_them():

@@ -390,15 +390,15 @@ COACH = load(ROOT / "scenarios/manchester_r300.toml").with_values(
 
 def test_steps_with_a_fixed_number_of_iterations_follow_the_usual_run() -> None:
     """Into a curve on an uneven track: bodies within 0.05 mm rms, and no memory is allocated in a step."""
-    own = stepper(COACH)
-    law, q, q_t = own.law, own.q.copy(), own.q_t.copy()
+    bench = stepper(COACH)
+    law, q, q_t = bench.law, bench.q.copy(), bench.q_t.copy()
     states = [q]
     for _ in range(300):
-        own.step(10)
-        states.append(own.q.copy())
-    assert own.time == pytest.approx(3.0)
-    assert own.residual[1] < 0.02
-    count = allocations(lambda _, *arguments: kernel.advance(*arguments), 0, own.memory.buffer, own.memory.index)
+        bench.step(10)
+        states.append(bench.q.copy())
+    assert bench.time == pytest.approx(3.0)
+    assert bench.residual[1] < 0.02
+    count = allocations(lambda _, *arguments: kernel.advance(*arguments), 0, bench.memory.buffer, bench.memory.index)
     assert count == 0
     law.set_search_start(12.0)
     usual = Integration(BodySystem(law.bodies, law), duration=3.0, step=2e-3, sample_interval=10e-3).run(q, q_t)
@@ -415,8 +415,8 @@ DIPPED = load(ROOT / "scenarios/curve_r300.toml").with_values(
     {
         "contact.cells": 4,
         "track.rail_sections": [
-            {"at_m": 20.0 + at, "rail": "rails/60E1.toml", "side": "right", "down_mm": down}
-            for at, down in ((-1.0, 0.0), (-0.3, 0.0), (0.0, 3.0), (0.3, 0.0), (1.0, 0.0))
+            {"at_m": 20.0 + offset, "rail": "rails/60E1.toml", "side": "right", "down_mm": down}
+            for offset, down in ((-1.0, 0.0), (-0.3, 0.0), (0.0, 3.0), (0.3, 0.0), (1.0, 0.0))
         ],
         "run.start_distance_m": 15.0,
     }
@@ -530,11 +530,11 @@ def test_what_cannot_be_taken_step_by_step_is_refused() -> None:
         stepper(COACH.with_values({"contact.normal": "half-space"}))
     with pytest.raises(InputError, match="only runs along the track"):
         stepper(load(ROOT / "scenarios/static_s1002.toml"))
-    for amount, words in ((1e4, "no longer near its track"), (np.nan, "is not a number")):
-        own = stepper(COACH)
-        own.q[1] += amount
-        with pytest.raises(SimulationError, match=words):
-            own.step()
+    for amount, message in ((1e4, "no longer near its track"), (np.nan, "is not a number")):
+        bench = stepper(COACH)
+        bench.q[1] += amount
+        with pytest.raises(SimulationError, match=message):
+            bench.step()
 
 
 @pytest.mark.parametrize(("angle", "wrong"), [(0.5, 0.027), (2.5, 0.06)])

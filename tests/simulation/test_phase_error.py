@@ -81,9 +81,9 @@ def test_the_estimated_error_is_that_of_the_integration(frequency):
 def test_steps_are_refined_where_the_error_passes_half_a_per_cent_of_the_load_and_whole_again_behind_it():
     amplitude = TOLERANCE / ((2.0 * np.pi * 26.0 * STEP) ** 2 / (12.0 * DAMPING * np.e))
     below, above = Vibration(26.0, 0.95 * amplitude), Vibration(26.0, 1.1 * amplitude)
-    given = Vibration(26.0, 1.1 * amplitude, step=0.0)
-    errors = [vibration.error(vibration.run(2.0)) for vibration in (below, above, given)]
-    assert [vibration.system.work.refined_steps > 0 for vibration in (below, above, given)] == [False, True, False]
+    fixed_step = Vibration(26.0, 1.1 * amplitude, step=0.0)
+    errors = [vibration.error(vibration.run(2.0)) for vibration in (below, above, fixed_step)]
+    assert [vibration.system.work.refined_steps > 0 for vibration in (below, above, fixed_step)] == [False, True, False]
     assert errors[0] < TOLERANCE < errors[2]
     assert above.longest_step == np.inf
     assert above.system.work.refined_steps < 500

@@ -33,27 +33,27 @@ LONG = [("vertical", 60.0), ("vertical", 1500.0), ("lateral", 400.0), ("lateral"
 def test_a_harmonic_force_moves_the_rail_as_its_receptance_says(frequency: float, way: str) -> None:
     track, turns = replace(TRACK, elements=12), 160
     rails = standing(track, 60.0)  # above a sleeper
-    found = response(rails, frequency, way, turns)
+    amplitude = response(rails, frequency, way, turns)
     exact = track.receptance([frequency], 60.0, way, elements=12)[0]
-    assert found == pytest.approx(exact, rel=0.01)
+    assert amplitude == pytest.approx(exact, rel=0.01)
 
 
 def energy(rails: RailsOnSleepers, eta: np.ndarray | tuple[()] = ()) -> float:
     """Kinetic and elastic energy of all systems [J]; eta: of the modes below the ballast."""
-    own = ((pair, r, *pair.rows[r, [kernel.U, kernel.U_T]]) for pair in rails.rails[:2] for r in range(2))
-    found = sum(0.5 * (v @ times(pair.mass[r], v) + u @ times(pair.stiffness[r], u)) for pair, r, u, v in own)
+    rail_states = ((pair, r, *pair.rows[r, [kernel.U, kernel.U_T]]) for pair in rails.rails[:2] for r in range(2))
+    total = sum(0.5 * (v @ times(pair.mass[r], v) + u @ times(pair.stiffness[r], u)) for pair, r, u, v in rail_states)
     for held, (u, *_) in zip(rails._held if len(eta) else (), rails.rails.vertical.rows, strict=False):
-        found += (0.5 * rails._follow @ eta - u) @ (held @ eta)
-    return found
+        total += (0.5 * rails._follow @ eta - u) @ (held @ eta)
+    return total
 
 
 def lost(rails: RailsOnSleepers, eta_t: np.ndarray | tuple[()] = ()) -> float:
     """Power of all dampers [W]."""
-    own = ((pair, r, pair.rows[r, kernel.U_T]) for pair in rails.rails[:2] for r in range(2))
-    found = sum(v @ times(pair.damping[r], v) + pair.drag[r] @ v**2 for pair, r, v in own)
+    rail_rates = ((pair, r, pair.rows[r, kernel.U_T]) for pair in rails.rails[:2] for r in range(2))
+    power = sum(v @ times(pair.damping[r], v) + pair.drag[r] @ v**2 for pair, r, v in rail_rates)
     for dragged, rows in zip(rails._dragged if len(eta_t) else (), rails.rails.vertical.rows, strict=False):
-        found += (rails._follow @ eta_t - 2.0 * rows[kernel.U_T]) @ (dragged @ eta_t)
-    return found
+        power += (rails._follow @ eta_t - 2.0 * rows[kernel.U_T]) @ (dragged @ eta_t)
+    return power
 
 
 def times(band: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -79,13 +79,13 @@ def test_the_work_of_a_blow_is_stored_or_lost_in_dampers() -> None:
 
 def test_rails_at_rest_yield_to_their_own_wheel_however_many_elements_they_have() -> None:
     # static elements of a beam in bending, shear and torsion are exact; one wheelset: nobody else pushes
-    found = []
+    compliances = []
     for elements in (1, 2, 3):
         law = on_track(shipped("wheelset_s1002"), structure=replace(TRACK, elements=elements), start=60.2).law
         assert law.on_sleepers is not None
-        found.append(np.concatenate([law.on_sleepers.wheels[name] for name in ("nn", "nb", "bb")]))
+        compliances.append(np.concatenate([law.on_sleepers.wheels[name] for name in ("nn", "nb", "bb")]))
         assert [wheel.free_b for wheel in law.wheel_records(0)] == pytest.approx([0.0, 0.0], abs=1e-12)
-    assert np.array(found[1:]) == pytest.approx(np.array([found[0]] * 2), rel=1e-6)
+    assert np.array(compliances[1:]) == pytest.approx(np.array([compliances[0]] * 2), rel=1e-6)
 
 
 def test_a_step_ends_as_foretold_under_the_forces_that_were_foretold() -> None:
@@ -96,18 +96,18 @@ def test_a_step_ends_as_foretold_under_the_forces_that_were_foretold() -> None:
     rails.begin(1e-4, q, q_t, q_tt)
     rails.end(q)
     between = np.column_stack([rails.wheels["bent_n"], rails.wheels["bent_b"]])  # nodes
-    found = np.array([kernel.read(kernel.U_T, i, rails.rails.loads, rails.rails) for i in range(2)])
-    assert q_t.reshape(2, 2) == pytest.approx(found + (between - before) / 1e-4, rel=1e-9)
+    node_speeds = np.array([kernel.read(kernel.U_T, i, rails.rails.loads, rails.rails) for i in range(2)])
+    assert q_t.reshape(2, 2) == pytest.approx(node_speeds + (between - before) / 1e-4, rel=1e-9)
 
 
 def test_waves_do_not_come_back_from_the_ends_of_the_window() -> None:
     def after_a_blow(margin: float) -> np.ndarray:
         rails = standing(replace(TRACK, margin=margin, elements=2), 60.0)
-        found = []
+        deflections = []
         for k in range(400):
             force = np.array([[0.0, -50e3 * np.sin(np.pi * k / 8) if k < 8 else 0.0], [0.0, 0.0]])
-            found.append(push(rails, 5e-5, force)[0, 1])
-        return np.array(found)
+            deflections.append(push(rails, 5e-5, force)[0, 1])
+        return np.array(deflections)
 
     near, far = after_a_blow(10.0), after_a_blow(40.0)
     assert np.abs(near - far).max() < 0.01 * np.abs(far).max()
@@ -116,14 +116,14 @@ def test_waves_do_not_come_back_from_the_ends_of_the_window() -> None:
 def test_a_run_goes_on_from_its_snapshot_to_the_bit() -> None:
     scattered = replace(TRACK, scatter=0.02, seed=5)
     laws = [on_track(shipped("wheelset_s1002"), 25.0, structure=scattered).law for _ in range(3)]
-    rest, found = steady_state(laws[0]), []
+    rest, ends = steady_state(laws[0]), []
     for law, begin, duration in zip(laws, (0.0, 0.0, 0.06), (0.12, 0.06, 0.06), strict=True):
-        q, q_t, state = found[-1] if begin else (rest.q, rest.q_t, None)
+        q, q_t, state = ends[-1] if begin else (rest.q, rest.q_t, None)
         law.set_search_start(law.start) if state is None else law.set_state(state)
         going = Integration(BodySystem(law.bodies, law), duration=duration, start=begin, step=1e-3, segment=60)
         motion = going.run(q, q_t)
-        found.append((motion.q[-1], motion.q_t[-1], law.get_state()))
-    assert all(np.array_equal(*ends) for ends in zip(found[0][:2], found[2][:2], strict=True))
+        ends.append((motion.q[-1], motion.q_t[-1], law.get_state()))
+    assert all(np.array_equal(*ends) for ends in zip(ends[0][:2], ends[2][:2], strict=True))
 
 
 def test_wheels_on_sleepers_rise_and_sink_with_the_sleepers() -> None:
@@ -167,9 +167,9 @@ def test_what_wheels_lose_goes_to_creep_and_to_what_they_roll_on(
     work = rolling(law, duration, step, look).work
     assert (work.evaluations < 1.6 * len(rows), work.cut_steps) == (True, 0)
     t, power, creep, damped, stored = np.array(rows)[-301 if structure is TRACK else 2 :].T
-    given, track = -trapezoid(power, t), trapezoid(damped, t) + stored[-1] - stored[0]
-    assert trapezoid(creep, t) + track == pytest.approx(given, rel=1e-3)
-    assert track > 0.1 * given
+    lost_by_wheels, track = -trapezoid(power, t), trapezoid(damped, t) + stored[-1] - stored[0]
+    assert trapezoid(creep, t) + track == pytest.approx(lost_by_wheels, rel=1e-3)
+    assert track > 0.1 * lost_by_wheels
 
 
 def test_a_rail_that_moves_along_the_normal_of_its_contact_slips_no_more() -> None:
@@ -178,14 +178,14 @@ def test_a_rail_that_moves_along_the_normal_of_its_contact_slips_no_more() -> No
     rails, (q, q_t, q_tt) = law.on_sleepers, np.zeros((3, 4))
     assert rails is not None
     rails.begin(2e-4, q, q_t, q_tt)
-    found = [rails.guess.copy(), rails.guess.copy()]
+    guesses = [rails.guess.copy(), rails.guess.copy()]
     for i, wheel in enumerate(law.wheels[0]):
         lobes = wheel.model.arrays.patches[: wheel.model.arrays.total.lobes]
         along = [lobes["N"] / lobes["approach"] @ lobes[name] for name in ("no", "nb")]
-        found[1][1, 2 * i : 2 * i + 2] += along / np.linalg.norm(along) * (rails.wheels["side"][i], 1.0)
-    for own in found:
-        kernel.look_at_wheels(rails.method, own, *rails._wheels, rails.rails)
-    assert found[1][0] == pytest.approx(found[0][0], abs=1e-12)
+        guesses[1][1, 2 * i : 2 * i + 2] += along / np.linalg.norm(along) * (rails.wheels["side"][i], 1.0)
+    for guess in guesses:
+        kernel.look_at_wheels(rails.method, guess, *rails._wheels, rails.rails)
+    assert guesses[1][0] == pytest.approx(guesses[0][0], abs=1e-12)
 
 
 # Rails on sleepers: the beams and their receptances beside closed forms.
@@ -205,7 +205,7 @@ def mobilities() -> dict[str, np.ndarray]:
 def timoshenko(frequencies: np.ndarray, track: SleeperTrack, supports: int = 241) -> np.ndarray:
     """Receptance (n,) of an infinite Timoshenko beam on discrete supports above the middle one, by the beam's Green's
     function (M. A. Heckl, Acta Acustica 81 (1995) 559)."""
-    rail, found = track.rail, []
+    rail, receptances = track.rail, []
     loss = 1.0 + 1j * rail.loss_factor
     b, s, m, j = rail.bending("vertical") * loss, rail.shear("vertical") * loss, rail.mass, rail.rotary("vertical")
     for w in 2.0 * np.pi * frequencies:
@@ -225,8 +225,8 @@ def timoshenko(frequencies: np.ndarray, track: SleeperTrack, supports: int = 241
         below = track.ballast.stiffness[1] * (1.0 + 1j * track.ballast.loss_factor) - 0.5 * track.sleeper_mass * w**2
         under = pad * below / (pad + below)
         middle = supports // 2
-        found.append(np.linalg.solve(np.eye(supports) + under * whole, whole[middle])[middle])
-    return np.array(found)
+        receptances.append(np.linalg.solve(np.eye(supports) + under * whole, whole[middle])[middle])
+    return np.array(receptances)
 
 
 @pytest.mark.parametrize("length", [0.6, 1.2])
@@ -239,12 +239,12 @@ def test_a_pinned_beam_swings_at_the_frequency_of_timoshenko_with_fourth_order(l
     def error(n: int) -> float:
         of = np.full(n, length / n), np.full(n, b), s
         stiffness, mass = np.zeros((2, 2 * n + 2, 2 * n + 2))
-        for i, (own_k, own_m) in enumerate(zip(bending_stiffness(*of), bending_mass(*of, m, j), strict=True)):
-            stiffness[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += own_k
-            mass[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += own_m
+        for i, (element_k, element_m) in enumerate(zip(bending_stiffness(*of), bending_mass(*of, m, j), strict=True)):
+            stiffness[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += element_k
+            mass[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += element_m
         free = np.delete(np.arange(2 * n + 2), [0, 2 * n])
-        found = eigh(stiffness[np.ix_(free, free)], mass[np.ix_(free, free)], eigvals_only=True)[0]
-        return float(np.sqrt(found / exact) - 1.0)
+        square = eigh(stiffness[np.ix_(free, free)], mass[np.ix_(free, free)], eigvals_only=True)[0]
+        return float(np.sqrt(square / exact) - 1.0)
 
     assert abs(error(4)) < 2e-4
     assert abs(error(8)) < abs(error(4)) / 10.0
@@ -257,20 +257,22 @@ def test_a_bar_in_torsion_swings_at_its_frequency() -> None:
     for i, (k, m) in enumerate(zip(torsion_stiffness(length, torsion), torsion_mass(length, polar), strict=True)):
         stiffness[i : i + 2, i : i + 2] += k
         mass[i : i + 2, i : i + 2] += m
-    found = np.sqrt(eigh(stiffness[1:-1, 1:-1], mass[1:-1, 1:-1], eigvals_only=True)[0])
-    assert found == pytest.approx(np.pi / 1.2 * np.sqrt(torsion / polar), rel=2e-4)
+    frequency = np.sqrt(eigh(stiffness[1:-1, 1:-1], mass[1:-1, 1:-1], eigvals_only=True)[0])
+    assert frequency == pytest.approx(np.pi / 1.2 * np.sqrt(torsion / polar), rel=2e-4)
 
 
 def test_statics_and_receptances_on_supports_are_those_of_closed_forms() -> None:
     spacing, stiffness = 0.05, 60e6  # of the foundation [N/m2]
-    own = Layer((stiffness * spacing,) * 2)
-    track = SleeperTrack(replace(RAIL, loss_factor=0.0), own, own, None, spacing=spacing, sleeper_width=0.01)
+    foundation = Layer((stiffness * spacing,) * 2)
+    track = SleeperTrack(
+        replace(RAIL, loss_factor=0.0), foundation, foundation, None, spacing=spacing, sleeper_width=0.01
+    )
     b, s = RAIL.bending("vertical"), RAIL.shear("vertical")
     exact = quad(lambda k: (b * k**2 + s) / (b * s * k**4 + stiffness * (b * k**2 + s)), 0.0, np.inf)[0] / np.pi
     assert track.receptance([0.0], 3.0, bays=400, elements=1)[0].real == pytest.approx(exact, rel=1e-3)
     frequencies = np.array([20.0, 60, 130, 250, 400, 550, 700, 850, 950, 1040, 1090, 1200, 1500])
-    found = SOFT.receptance(frequencies, 72.0)
-    assert np.abs(found / timoshenko(frequencies, SOFT) - 1.0).max() < 0.01
+    receptance = SOFT.receptance(frequencies, 72.0)
+    assert np.abs(receptance / timoshenko(frequencies, SOFT) - 1.0).max() < 0.01
 
 
 def test_mobilities_of_the_reference() -> None:
@@ -281,14 +283,14 @@ def test_mobilities_of_the_reference() -> None:
     data = {name: values[within][::3] for name, values in data.items()}
     frequencies = data["frequency_hz"]
     track = replace(SOFT, rail=replace(RAIL, shear_vertical=1.0206 * 0.393))
-    found = 2.0 * np.pi * frequencies * np.abs(track.receptance(frequencies, 72.0))
-    assert found == pytest.approx(data["tsdiscr2lsupp_m_per_s_per_N"], rel=0.01)
+    mobility = 2.0 * np.pi * frequencies * np.abs(track.receptance(frequencies, 72.0))
+    assert mobility == pytest.approx(data["tsdiscr2lsupp_m_per_s_per_N"], rel=0.01)
     spacing = 0.05
     pads = Layer((300e6 * spacing,) * 2, (30e3 * spacing,) * 2)
     rail = replace(RAIL, shear_vertical=None, shear_lateral=None)
     track = SleeperTrack(rail, pads, pads, None, spacing=spacing, sleeper_width=0.01)
-    found = 2.0 * np.pi * frequencies * np.abs(track.receptance(frequencies, 45.0, bays=1800, elements=1))
-    assert found == pytest.approx(data["ebbcont1lsupp_m_per_s_per_N"], rel=0.01)
+    mobility = 2.0 * np.pi * frequencies * np.abs(track.receptance(frequencies, 45.0, bays=1800, elements=1))
+    assert mobility == pytest.approx(data["ebbcont1lsupp_m_per_s_per_N"], rel=0.01)
 
 
 def test_sleepers_stay_where_they_are_whatever_window_looks_at_them() -> None:

@@ -35,20 +35,20 @@ def coach(friction: float, rails: str = "rigid") -> tuple[VehicleOnTrack, np.nda
 
 def plane_model(law: VehicleOnTrack, wheelset: int = 0) -> np.ndarray:
     """Eigenvalues of {eq}`mb-coupling`: a wheelset that moves up, sideways and in roll on its contacts."""
-    own = law.vehicle.wheelsets[wheelset].wheelset
+    wheelset_data = law.vehicle.wheelsets[wheelset].wheelset
     K, C = np.zeros((3, 3)), np.zeros((3, 3))
     for wheel, side in zip(law.wheels[wheelset], (1, -1), strict=True):
         arrays = wheel.model.arrays
         for p in arrays.patches[: int(arrays.rows.total["lobes"].item())]:
             u, w = wheel.model.wheel.at(float(p.arc_wheel))
-            y, z, ny, nz = side * (0.5 * own.profile_spacing + u), w - wheel.model.radius, side * p.no, p.nb
+            y, z, ny, nz = side * (0.5 * wheelset_data.profile_spacing + u), w - wheel.model.radius, side * p.no, p.nb
             n, t = np.array([ny, nz, y * nz - z * ny]), np.array([nz, -ny, -y * ny - z * nz])
             mu, across = np.hypot(p.Fx, p.Fy) / p.N, side * p.Fy / p.N
             along_load = np.outer(n + across * t, n)
             K += 1.5 * p.N / p.approach * along_load
             C += 2.0 * p.N * along_load
             C += mu * p.N / (np.hypot(p.xi, p.eta) * law.speed) * (1.0 - (across / mu) ** 2) * np.outer(t, t)
-    mass = np.diag([own.mass, own.mass, own.inertia[0]])
+    mass = np.diag([wheelset_data.mass, wheelset_data.mass, wheelset_data.inertia[0]])
     below = np.hstack([-np.linalg.solve(mass, K), -np.linalg.solve(mass, C)])
     return np.linalg.eigvals(np.vstack([np.hstack([np.zeros((3, 3)), np.eye(3)]), below]))
 

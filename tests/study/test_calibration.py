@@ -72,7 +72,7 @@ def key(name: str, start: float, **more) -> CalibratedKey:
 
 
 def fitted(calibration: Formula) -> tuple[Fit, Knowledge]:
-    fit = Fit(calibration, lambda plan, todo: None, lambda words: None)  # type: ignore[arg-type]
+    fit = Fit(calibration, lambda plan, todo: None, lambda message: None)  # type: ignore[arg-type]
     fit.begin()
     fit.run()
     return fit, knowledge(fit)
@@ -94,7 +94,7 @@ def test_a_linear_model_comes_to_the_closed_form_with_its_priors():
     half = stdtrit(known.freedom, 0.95) * np.sqrt(
         np.diag(np.linalg.inv(weighted.T @ weighted)) * max(known.misfit, 1.0)
     )
-    assert [0.5 * (one.high - one.low) for one in known.intervals] == pytest.approx(half, rel=1e-6)
+    assert [0.5 * (interval.high - interval.low) for interval in known.intervals] == pytest.approx(half, rel=1e-6)
     assert fit.converged and known.misfit == pytest.approx(1.0, abs=0.15)
 
 
@@ -114,7 +114,7 @@ def twin(seed: int) -> tuple[list[bool], Knowledge]:
     measured = clean + 0.05 * clean.std() * rng.normal(size=t.size)
     fit, known = fitted(Formula(model, measured, None, keys))
     assert fit.converged
-    return [one.low <= true <= one.high for one, true in zip(known.intervals, truth, strict=True)], known
+    return [interval.low <= true <= interval.high for interval, true in zip(known.intervals, truth, strict=True)], known
 
 
 def test_intervals_of_90_percent_hold_the_truth_of_85_to_95_percent_of_120():
@@ -196,7 +196,7 @@ MODES = Result(
 
 
 @pytest.mark.parametrize(
-    "given, expected",
+    "keys, expected",
     [
         ({"frequencies_Hz": [8.0, 1.15]}, [8.2, 1.2]),  # 1.2 is nearer in the logarithm
         ({"frequencies_Hz": [1.15, 1.12]}, [1.2, 1.1]),  # each mode once
@@ -204,8 +204,8 @@ MODES = Result(
         ({"frequencies_Hz": [0.9, 1.0], "modes": ["yaw", "yaw"]}, [0.8, 1.2]),
     ],
 )
-def test_a_natural_frequency_stands_beside_the_mode_of_its_name_or_the_nearest(given, expected):
-    value = ValueSection.model_validate({"noise": 0.1} | given)
+def test_a_natural_frequency_stands_beside_the_mode_of_its_name_or_the_nearest(keys, expected):
+    value = ValueSection.model_validate({"noise": 0.1} | keys)
     assert mode_numbers(value, MODES) == pytest.approx(expected)
 
 
@@ -259,7 +259,7 @@ def in_process(monkeypatch: pytest.MonkeyPatch) -> None:
         for index in todo:
             run_case(plan.folder, digest_of(plan.dumped()), index)
 
-    monkeypatch.setattr("wrsim.study.engine.worker_pool", lambda *given, **more: nullcontext(work))
+    monkeypatch.setattr("wrsim.study.engine.worker_pool", lambda *options, **more: nullcontext(work))
 
 
 def test_a_planted_friction_is_found_and_found_again_to_the_same_bits(tmp_path, in_process):
@@ -284,7 +284,7 @@ def test_a_planted_friction_is_found_and_found_again_to_the_same_bits(tmp_path, 
 
 
 @pytest.mark.parametrize(
-    "old, new, words",
+    "old, new, message",
     [
         ("start = 0.2", "start = 0.6", "vary[0].start = 0.6: is outside of the bounds 0.1 to 0.5"),
         ('series = "Y_kN"', 'series = "Q_kN"', "(did you mean 'Y_kN'?); it has t_s, Y_kN"),
@@ -297,10 +297,10 @@ def test_a_planted_friction_is_found_and_found_again_to_the_same_bits(tmp_path, 
         ("[[measured]]", "[[value]]\nfrequencies_Hz = [1.0]\nnoise = 0.1\n[[measured]]", 'must be "stability"'),
     ],
 )
-def test_what_cannot_be_calibrated_is_refused_before_anything_runs(old, new, words, tmp_path):
+def test_what_cannot_be_calibrated_is_refused_before_anything_runs(old, new, message, tmp_path):
     with pytest.raises(InputError) as refused:
         calibrate(files(tmp_path, FILE.replace(old, new, 1)), tmp_path / "out")
-    assert words in str(refused.value)
+    assert message in str(refused.value)
     assert not (tmp_path / "out").exists()
 
 

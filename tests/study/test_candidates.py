@@ -43,9 +43,9 @@ def candidates_in(folder: Path, text: str = KEYS, outputs: OutputsSection = Y) -
     study_file(folder)
     (folder / "slippery.toml").write_text('base = "base.toml"\n[contact]\nfriction = 0.1\n')
     (folder / "file.toml").write_text(text)
-    given = FileInput(folder / "file.toml", "file", CandidatesFile, ())
-    names = [name for name, *_ in given.spec.named_bases()]
-    return read_candidates(given, folder / "out", dict.fromkeys(names, outputs))
+    file_input = FileInput(folder / "file.toml", "file", CandidatesFile, ())
+    names = [name for name, *_ in file_input.spec.named_bases()]
+    return read_candidates(file_input, folder / "out", dict.fromkeys(names, outputs))
 
 
 def work(plan: Plan, todo: Sequence[int]) -> None:
@@ -65,11 +65,14 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> list[Candidate]:
 
 
 def numbers(candidates: Sequence[Candidate]) -> list[object]:
-    return [(one.values, [(name, case.status, case.numbers) for name, case in one.cases.items()]) for one in candidates]
+    return [
+        (candidate.values, [(name, case.status, case.numbers) for name, case in candidate.cases.items()])
+        for candidate in candidates
+    ]
 
 
 def test_points_of_the_same_values_are_one_case_and_scenarios_differ(whole):
-    assert [one.values for one in whole] == [(45.0, 5), (50.0, 5), (550.0, 5), (45.0, 5)]
+    assert [candidate.values for candidate in whole] == [(45.0, 5), (50.0, 5), (550.0, 5), (45.0, 5)]
     assert whole[0].cases is whole[3].cases
     assert whole[0].completed and whole[0].status == COMPLETED and not whole[0].message
     curve, slippery = (whole[0].cases[name].numbers["Y"] for name in ("curve", "slippery"))

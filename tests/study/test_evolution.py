@@ -147,12 +147,12 @@ def test_the_page_of_a_service_holds_numbers_pictures_and_files_and_takes_it_alo
     ok("report", tmp_path)
     page = (tmp_path / "report.html").read_text()
     assert str(evolution.wheel) not in page  # no place of this machine
-    assert all(words in page for words in (evolution.source.title, "Sd [mm]", "left,0.5,500,60"))
+    assert all(text in page for text in (evolution.source.title, "Sd [mm]", "left,0.5,500,60"))
     summary = page[page.index('id="h-summary"') : page.index('id="identity"')]
-    assert all(words in summary for words in ("wear by the law", "Flange thickness Sd: from", "Equivalent conicity"))
+    assert all(text in summary for text in ("wear by the law", "Flange thickness Sd: from", "Equivalent conicity"))
     assert page.count("<img ") == 2 and page.count('<tr><th scope="row">') > len(steps)
-    for more, words in ((tmp_path, "a report takes one profile evolution"), ("--view", "it is for results of runs")):
-        assert words in refusal("report", tmp_path, more)
+    for more, message in ((tmp_path, "a report takes one profile evolution"), ("--view", "it is for results of runs")):
+        assert message in refusal("report", tmp_path, more)
     write_netcdf(tmp_path / "wear.nc", read_history(tmp_path).drop_vars("depth"))
     assert "but has no depth; run it again" in refusal("report", tmp_path)
 
@@ -178,9 +178,9 @@ def test_a_finished_service_is_told_again_and_another_does_not_go_on_with_its_st
     told = json.loads(ok("wear", folder / "service.toml", "-o", folder / "out", "--no-pictures", "--json").stdout)
     assert told["steps"] == len(steps) and told["worn"]["mileage_km"] == pytest.approx(40.0)
     assert told["worn"]["depth_mm"] > told["new"]["depth_mm"] == 0.0
-    other = service_in(tmp_path, cases=CASES.replace("20000,80", "20000,85"))
+    another_service = service_in(tmp_path, cases=CASES.replace("20000,80", "20000,85"))
     with pytest.raises(InputError, match="was computed from another profile evolution"):
-        next(wear_steps(other, folder / "out", work))
+        next(wear_steps(another_service, folder / "out", work))
 
 
 @pytest.mark.parametrize("odd", [
@@ -234,9 +234,9 @@ def test_a_service_ends_where_its_wheel_would_overlap_itself(tmp_path: Path, mon
 FAULTS = table("faults")
 
 
-@pytest.mark.parametrize(("given", "words"), FAULTS)
-def test_wrong_input_is_one_clear_error(given: dict[str, str], words: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("changes", "message"), FAULTS)
+def test_wrong_input_is_one_clear_error(changes: dict[str, str], message: str, tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
-        service_in(tmp_path, **given)
-    assert words in str(caught.value)
+        service_in(tmp_path, **changes)
+    assert message in str(caught.value)
     assert "Traceback" not in str(caught.value)

@@ -59,10 +59,10 @@ def record(file: Path, *sections: SeriesSection, **keys) -> Record:
 
 @pytest.mark.parametrize("written", [csv, netcdf, mdf])
 def test_a_series_is_the_same_from_every_kind_of_file(written, tmp_path):
-    found = record(written(tmp_path))
-    assert found.axis == "distance"
-    assert found.clock == pytest.approx(1e3 * KM)
-    assert found.series[0].values == pytest.approx(1e3 * FORCE)
+    recorded = record(written(tmp_path))
+    assert recorded.axis == "distance"
+    assert recorded.clock == pytest.approx(1e3 * KM)
+    assert recorded.series[0].values == pytest.approx(1e3 * FORCE)
 
 
 def test_unit_offset_sign_and_noise_are_those_of_the_file(tmp_path):
@@ -75,7 +75,7 @@ def test_unit_offset_sign_and_noise_are_those_of_the_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "keys, header, words",
+    "keys, header, message",
     [
         (LEFT.model_copy(update={"series": "Y rechts"}), HEADER, 'has no series "Y rechts"; it has km, Y links'),
         (LEFT.model_copy(update={"unit": "mm"}), HEADER, 'unit "mm" is none of channel Y: [[measured]] unit must be'),
@@ -84,8 +84,8 @@ def test_unit_offset_sign_and_noise_are_those_of_the_file(tmp_path):
         (LEFT.model_copy(update={"low_pass_Hz": 12.0}), HEADER, "has 20 samples a second; 12 Hz needs more than 24"),
     ],
 )
-def test_what_cannot_be_used_is_refused_in_one_line(keys, header, words, tmp_path):
-    with pytest.raises(InputError, match=re.escape(words)) as refused:
+def test_what_cannot_be_used_is_refused_in_one_line(keys, header, message, tmp_path):
+    with pytest.raises(InputError, match=re.escape(message)) as refused:
         record(csv(tmp_path, header), keys)
     assert "\n" not in str(refused.value)
 
@@ -115,9 +115,9 @@ def beside(result: Result, shift: float, axis: str, every: float, noise: float =
 
 @pytest.mark.parametrize("axis, every, shift", [("distance", 0.25, -70.0), ("time", 0.004, 3.0)])
 def test_the_shift_of_the_clock_is_found_again(axis, every, shift):
-    found = found_shift(run().dataset, beside(run(), shift, axis, every, noise=500.0))
-    assert found.value == pytest.approx(shift, abs=0.5 * every)
-    assert found.correlation > 0.99 and not found.at_end
+    clock_shift = found_shift(run().dataset, beside(run(), shift, axis, every, noise=500.0))
+    assert clock_shift.value == pytest.approx(shift, abs=0.5 * every)
+    assert clock_shift.correlation > 0.99 and not clock_shift.at_end
 
 
 def test_a_shift_at_the_end_of_the_search_is_told():

@@ -128,7 +128,11 @@ def test_one_key_comes_to_its_constraint_and_past_candidates_that_fail(tmp_path)
     search = searched(tmp_path, text, function)
     assert search.best().feasible
     assert search.best().candidate.values[0] == pytest.approx(1.0, abs=4e-3)
-    assert {status_of(one) for one in search.known.values()} == {COMPLETED, DERAILED, "exceeds a constraint"}
+    assert {status_of(evaluated) for evaluated in search.known.values()} == {
+        COMPLETED,
+        DERAILED,
+        "exceeds a constraint",
+    }
 
 
 def test_a_search_that_was_killed_goes_on_to_the_same_bits(tmp_path):
@@ -180,7 +184,7 @@ def test_the_front_of_two_objectives_is_the_curve_between_their_optima(tmp_path)
     text = TWO_KEYS + objectives + "[search]\nfront = 5\nevaluations = 500\n"
     search = searched(tmp_path, text, work_of(function))
     front = search.front()
-    costs = np.array([one.costs for one in front])
+    costs = np.array([point.costs for point in front])
     assert len(front) >= 5 and (np.diff(costs[:, 0]) > 0.0).all() and (np.diff(costs[:, 1]) < 0.0).all()
     detour = np.sqrt(costs).sum(axis=1) / 2.0**0.5 - 1.0
     assert detour.min() > -1e-12 and np.median(detour) < 0.01 and detour.max() < 0.1  # between two ceilings
@@ -206,14 +210,16 @@ def test_an_output_that_a_run_cannot_have_is_refused_by_its_first_steps(tmp_path
     vary = '[[vary]]\nkey = "contact.friction"\nlow = 0.2\nhigh = 0.4\nstart = 0.3\n'
     place = "wheelsets.wheelset.full_curves.0.left.Y_kN"
     text = f'base = "{SCENARIOS / "curve_r300.toml"}"\n{vary}[[objective]]\nsummary = "{place}"\naim = "minimise"\n'
-    file.write_text(text + "".join(f'[[constraint]]\nsummary = "{there}"\nat_most = 1\n' for there in THERE))
+    file.write_text(
+        text + "".join(f'[[constraint]]\nsummary = "{place_in_list}"\nat_most = 1\n' for place_in_list in THERE)
+    )
     read_optimisation(file, tmp_path / "out")
     wrong = place.replace("full_curves", "full_curve")
     file.write_text(text + f'[[constraint]]\nsummary = "{wrong}"\nat_most = 1\n')
     with pytest.raises(InputError) as error:
         read_optimisation(file, tmp_path / "out")
-    words = 'constraint[0].summary: "wheelsets.wheelset.full_curve.0.left.Y_kN": "full_curve.0.left.Y_kN" is not in'
-    assert f"{file.name}:11: {words}" in str(error.value) and "did you mean 'full_curves'" in str(error.value)
+    message = 'constraint[0].summary: "wheelsets.wheelset.full_curve.0.left.Y_kN": "full_curve.0.left.Y_kN" is not in'
+    assert f"{file.name}:11: {message}" in str(error.value) and "did you mean 'full_curves'" in str(error.value)
 
 
 def test_a_command_writes_history_page_and_files_of_the_best_candidate(tmp_path, monkeypatch, unpainted):
@@ -293,6 +299,6 @@ def test_the_damping_of_a_body_over_waves_is_that_of_the_closed_form(tmp_path: P
     damping = np.sqrt((slope[0] * dynamic[1] - slope[1] * dynamic[0]) / (slope[1] * w[0] ** 2 - slope[0] * w[1] ** 2))
     ok("optimise", ROOT / "tests/data/two_mass/damping.toml", "-o", tmp_path / "found", "--no-pictures", "-q")
     report = json.loads((tmp_path / "found/optimisation.json").read_text())
-    (found,) = report["best"]["values"].values()
-    assert 4.0 * 1e3 * found == pytest.approx(damping, rel=1e-3)
+    (optimum,) = report["best"]["values"].values()
+    assert 4.0 * 1e3 * optimum == pytest.approx(damping, rel=1e-3)
     assert report["evaluations"] <= 200

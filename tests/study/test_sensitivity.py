@@ -25,7 +25,7 @@ X = [{"key": f"x{i}", "low": -pi, "high": pi} for i in (1, 2, 3)]
 
 
 def section(method: str, samples: int, over: list[dict] = X, **more) -> SensitivitySection:
-    keys = [SampledKey.model_validate(one) for one in over]
+    keys = [SampledKey.model_validate(keys_of_sample) for keys_of_sample in over]
     return SensitivitySection(method=method, samples=samples, seed=1, over=keys, **more)
 
 
@@ -39,17 +39,17 @@ def test_sobols_indices_of_ishigamis_function_are_those_of_its_closed_form():
     spec = section("sobol", 4096)
     values = ishigami(spec)
     assert values.size == 4096 * 5
-    found = sensitivity(spec, "y", values)
+    result = sensitivity(spec, "y", values)
     # V1 = (1 + 0.1 pi^4/5)^2/2, V2 = 49/8, V13 = 0.1^2 pi^8 (1/18 - 1/50), V = their sum
     v1, v2, v13 = (1.0 + 0.02 * pi**4) ** 2 / 2.0, 49.0 / 8.0, 0.01 * pi**8 * (1.0 / 18.0 - 1.0 / 50.0)
     whole = v1 + v2 + v13
-    assert found.indices["first"][:, 0] == pytest.approx(np.array([v1, v2, 0.0]) / whole, abs=0.02)
-    assert found.indices["total"][:, 0] == pytest.approx(np.array([v1 + v13, v2, v13]) / whole, abs=0.02)
-    for each in found.indices.values():
+    assert result.indices["first"][:, 0] == pytest.approx(np.array([v1, v2, 0.0]) / whole, abs=0.02)
+    assert result.indices["total"][:, 0] == pytest.approx(np.array([v1 + v13, v2, v13]) / whole, abs=0.02)
+    for each in result.indices.values():
         value, low, high = each.T
         assert np.all((low <= value) & (value <= high)) and np.all(high - low < 0.15)
     again = sensitivity(spec, "y", values).indices["total"]
-    assert np.array_equal(again, found.indices["total"])
+    assert np.array_equal(again, result.indices["total"])
 
 
 def test_the_effects_of_morris_are_the_slopes_over_the_ranges():
@@ -57,22 +57,24 @@ def test_the_effects_of_morris_are_the_slopes_over_the_ranges():
     spec = section("morris", 20, [{"key": "a", "low": 0, "high": 10}, {"key": "b", "low": 1, "high": 2}])
     a, b = np.array(axis_of(spec, "").values).T
     assert a.size == 20 * 3
-    found = sensitivity(spec, "y", 3.0 * a - 5.0 * b).indices
-    assert found["mu_star"][:, 0] == pytest.approx([30.0, 5.0]) and found["sigma"][:, 0] == pytest.approx([0.0, 0.0])
+    indices = sensitivity(spec, "y", 3.0 * a - 5.0 * b).indices
+    assert indices["mu_star"][:, 0] == pytest.approx([30.0, 5.0]) and indices["sigma"][:, 0] == pytest.approx(
+        [0.0, 0.0]
+    )
 
 
 def test_a_regression_gives_standardised_coefficients_and_what_they_explain():
     spec = section("regression", 200, X[:2])
     x1, x2 = design(spec).T
     scatter = np.random.default_rng(5).normal(0.0, 1.0, 200)
-    found = sensitivity(spec, "y", 4.0 * x1 - 3.0 * x2 + scatter)
+    result = sensitivity(spec, "y", 4.0 * x1 - 3.0 * x2 + scatter)
     part = 12.0**-0.5  # deviation of a number spread evenly from 0 to 1
     whole = np.sqrt(25.0 * part**2 + 1.0)
-    low, high = found.indices["coefficient"][:, 1], found.indices["coefficient"][:, 2]
+    low, high = result.indices["coefficient"][:, 1], result.indices["coefficient"][:, 2]
     expected = np.array([4.0, -3.0]) * part / whole
     assert np.all((low < expected) & (expected < high))
     assert high - low == pytest.approx(2.0 * 1.96 * np.array([1.0, 1.0]) / whole / np.sqrt(200.0), rel=0.15)
-    assert float(found.note.split()[4]) == pytest.approx(100.0 * 25.0 * part**2 / whole**2, abs=6.0)
+    assert float(result.note.split()[4]) == pytest.approx(100.0 * 25.0 * part**2 / whole**2, abs=6.0)
 
 
 def test_an_output_that_does_not_vary_or_has_gaps_gets_a_reason():
@@ -80,9 +82,12 @@ def test_an_output_that_does_not_vary_or_has_gaps_gets_a_reason():
     values = ishigami(spec)
     assert "does not vary: 3 in every case" in sensitivity(spec, "y", np.full(values.size, 3.0)).note
     values[7] = np.nan
-    found = sensitivities(section("sobol", 8, outputs=["y", "yy"]), {"y": values})
-    assert found["notes"] == {"y": "1 of 40 cases have no value", "yy": "is no output (did you mean 'y'?); there are y"}
-    assert not by_output(found) and len(sensitivity_tables(found)) == 1
+    report = sensitivities(section("sobol", 8, outputs=["y", "yy"]), {"y": values})
+    assert report["notes"] == {
+        "y": "1 of 40 cases have no value",
+        "yy": "is no output (did you mean 'y'?); there are y",
+    }
+    assert not by_output(report) and len(sensitivity_tables(report)) == 1
     fit = section("regression", 40)
     gaps = ishigami(fit)
     gaps[3] = np.nan
@@ -128,7 +133,7 @@ def test_a_study_stores_its_indices_and_shows_them(tmp_path: Path) -> None:
     ((output, keys),) = by_output(stored).items()
     whole = np.hypot(3.0, 0.2)
     assert output == "y" and [key for key, _ in keys] == ["contact.friction", "vehicle.speed_kmh"]
-    values = [own["coefficient"]["value"] for _, own in keys]
+    values = [indices["coefficient"]["value"] for _, indices in keys]
     assert values == pytest.approx([3.0 / whole, -0.2 / whole], abs=0.02)
     assert sensitivity_in(read_study(tmp_path / "out")) == stored
     assert report["sensitivity"] == stored

@@ -73,9 +73,9 @@ def results(plan: Plan) -> tuple[xr.Dataset, list[list[str]]]:
 
 def markers(plan: Plan) -> list[Marker]:
     """All markers; every case has one."""
-    found = markers_of(plan)
-    assert all(m.status != "missing" for m in found)
-    return found
+    complete = markers_of(plan)
+    assert all(m.status != "missing" for m in complete)
+    return complete
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +112,7 @@ def test_workers_have_one_thread_each(workers: Client) -> None:
         return {name: os.environ.get(name) for name in (*ONE_THREAD, TRIM)}
 
     assert set(workers.nthreads().values()) == {1}
-    assert all(own == ONE_THREAD | {TRIM: None} for own in workers.run(threads).values()), "memory stays, too"
+    assert all(limits == ONE_THREAD | {TRIM: None} for limits in workers.run(threads).values()), "memory stays, too"
 
 
 def test_two_workers_one_of_which_is_killed_come_to_the_numbers_of_one_worker(serial, workers, tmp_path):
@@ -154,7 +154,7 @@ def test_the_report_takes_one_study_and_nothing_beside_it(serial: Plan, tmp_path
     page = Path(file).read_text(encoding="utf-8")
     assert "6 cases: 6 completed." in page
     summary = page[page.index('id="h-summary"') : page.index('id="identity"')]
-    assert all(words in summary for words in ("contact.friction (", "vehicle.speed_kmh (40, 45, 50)", "lies between"))
+    assert all(text in summary for text in ("contact.friction (", "vehicle.speed_kmh (40, 45, 50)", "lies between"))
     for more in ([serial.folder], ["--view"]):
         assert "study" in refusal("report", serial.folder, *more, "-o", file)
     (tmp_path / "study.nc").write_bytes(b"no dataset")
@@ -164,10 +164,10 @@ def test_the_report_takes_one_study_and_nothing_beside_it(serial: Plan, tmp_path
 def test_outputs_are_those_of_results_and_more_values_run_only_what_is_new(serial: Plan, tmp_path: Path) -> None:
     dataset, _ = results(serial)
     case = serial.cases[4]
-    at = dataset.isel(friction=case.place[0], speed_kmh=case.place[1])
+    cell = dataset.isel(friction=case.place[0], speed_kmh=case.place[1])
     kept = Result.load(serial.folder_of(case))
-    assert at["Q_min_kN"].item() == pytest.approx(kept.dataset["Q"].min().item() / 1e3, rel=1e-12)
-    assert at["Y_over_Q_max"].item() == pytest.approx(kept.dataset["Y_over_Q"].max().item(), rel=1e-12)
+    assert cell["Q_min_kN"].item() == pytest.approx(kept.dataset["Q"].min().item() / 1e3, rel=1e-12)
+    assert cell["Y_over_Q_max"].item() == pytest.approx(kept.dataset["Y_over_Q"].max().item(), rel=1e-12)
     assert kept.dataset.attrs["title"] == "Friction and speed: friction 0.3, speed_kmh 45"
     more = AXES.replace("[0.1, 0.3]", "[0.1, 0.3, 0.2]")
     plan, _ = planned(study_file(tmp_path, more), Path(serial.folder))
@@ -195,8 +195,8 @@ from_m = 41
     dataset, _ = results(plan)
     assert [m.began for m in markers(plan)] == [began[case.name] for case in plan.cases]  # nothing ran
     kept = Result.load(plan.folder_of(plan.cases[0])).dataset
-    own = kept["Y"].sel(wheel="right").values[kept["distance"].values >= 41.0]
-    assert dataset["Y_right_p95_kN"].values[0, 0] == pytest.approx(np.percentile(own, 95) / 1e3, rel=1e-12)
+    forces = kept["Y"].sel(wheel="right").values[kept["distance"].values >= 41.0]
+    assert dataset["Y_right_p95_kN"].values[0, 0] == pytest.approx(np.percentile(forces, 95) / 1e3, rel=1e-12)
     assert dataset["samples"].values[0, 0] == kept.sizes["time"]
     assert dataset["wheelsets_wheelset_wheels_left_Q_max_kN"].values[0, 0] == pytest.approx(
         kept["Q"].sel(wheel="left").max().item() / 1e3
@@ -234,19 +234,19 @@ def test_a_wheelset_that_derails_is_a_result_and_what_cannot_start_is_an_entry(t
 
 
 def test_a_case_that_takes_too_long_is_ended_and_goes_on_with_more_time(tmp_path, monkeypatch):
-    one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 40")
+    single_axis = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 40")
     monkeypatch.setattr("wrsim.simulation.integrate.PROGRESS_INTERVAL", 0.0)
     monkeypatch.setattr("wrsim.simulation.recorder.FLUSH_INTERVAL", 0.0)
     # a clock that goes faster, so that no machine is fast enough
     clock = SimpleNamespace(monotonic=lambda: 50.0 * time.monotonic(), perf_counter=time.perf_counter, time=time.time)
     with monkeypatch.context() as patch:
         patch.setattr(task, "time", clock)
-        short = plan_of(study_file(tmp_path, one, "[cases]\ntime_limit_s = 1\n", seconds=2.0), tmp_path / "out")
+        short = plan_of(study_file(tmp_path, single_axis, "[cases]\ntime_limit_s = 1\n", seconds=2.0), tmp_path / "out")
         in_this_process(short)
     (late,) = markers(short)
     assert late.status == "out of time" and "time_limit_s" in late.message
     assert missing(short) == []
-    longer = plan_of(study_file(tmp_path, one, "[cases]\ntime_limit_s = 5000\n", seconds=2.0), tmp_path / "out")
+    longer = plan_of(study_file(tmp_path, single_axis, "[cases]\ntime_limit_s = 5000\n", seconds=2.0), tmp_path / "out")
     in_this_process(longer)
     (done,) = markers(longer)
     assert done.status == "completed" and done.resumed
@@ -256,8 +256,8 @@ def test_a_case_that_takes_too_long_is_ended_and_goes_on_with_more_time(tmp_path
 def test_a_case_that_kills_its_workers_is_an_entry_and_spares_the_others(workers: Client, tmp_path: Path) -> None:
     die = "import os\n\ndef numbers(result):\n    if 'friction 0.1' in result.title:\n        os._exit(7)\n"
     (tmp_path / "die.py").write_text(die + "    return {}\n")
-    one = AXES.replace("to = 50", "to = 40")
-    plan = plan_of(study_file(tmp_path, one, '[outputs]\nhook = "die.py:numbers"\n', seconds=0.1), tmp_path / "out")
+    axes = AXES.replace("to = 50", "to = 40")
+    plan = plan_of(study_file(tmp_path, axes, '[outputs]\nhook = "die.py:numbers"\n', seconds=0.1), tmp_path / "out")
     execute(workers, plan, missing(plan))
     assert [m.status for m in markers(plan)] == ["failed", "completed"]
     assert "4 workers died at it" in markers(plan)[0].message
@@ -304,8 +304,8 @@ def test_faults_of_hooks_and_outputs_that_cannot_be_had_are_told(serial, tmp_pat
 
 def test_a_range_varies_keys_of_whole_numbers_too_and_has_the_values_of_a_list() -> None:
     for ends, values in (((1, 3, 1), [1, 2, 3]), ((0.1, 0.3, 0.1), [0.1, 0.2, 0.3])):
-        given = dict(zip(("from", "to", "step"), ends, strict=True))
-        axis = GridAxis.model_validate({"kind": "grid", "key": "a.b", "values": given})
+        ends_and_step = dict(zip(("from", "to", "step"), ends, strict=True))
+        axis = GridAxis.model_validate({"kind": "grid", "key": "a.b", "values": ends_and_step})
         assert list(map(repr, axis.values)) == list(map(repr, values))
 
 
@@ -334,8 +334,10 @@ deviation = 0.5
         radius = np.array([c.values["vehicle.radius_left_mm"] for c in first.cases])
         assert all(c.values["vehicle.radius_right_mm"] == r for c, r in zip(first.cases, radius, strict=True))
         assert abs(np.mean(radius) - 460.0) < 0.1 and 0.3 < np.std(radius) < 0.7
-        other, _ = planned(study_file(tmp_path, axes.replace("KIND", kind).replace("seed = 3", "seed = 4")), tmp_path)
-        assert {c.name for c in other.cases}.isdisjoint(c.name for c in first.cases)
+        other_seed, _ = planned(
+            study_file(tmp_path, axes.replace("KIND", kind).replace("seed = 3", "seed = 4")), tmp_path
+        )
+        assert {c.name for c in other_seed.cases}.isdisjoint(c.name for c in first.cases)
 
 
 def test_workers_on_this_machine_leave_ctrl_c_of_the_terminal_to_the_command(workers: Client) -> None:
@@ -407,10 +409,15 @@ def standing_scheduler(serial: Plan, certificates: Path, tmp_path: Path) -> Iter
     program = [sys.executable, "-m", "dask"]
     named = {"scheduler-file": file, "tls-ca-file": certificates / CA}
     named |= {"tls-cert": certificates / CERT, "tls-key": certificates / KEY}
-    own = [f"--{option}={path}" for option, path in named.items()]
+    options = [f"--{option}={path}" for option, path in named.items()]
     commands = (
-        [*program, "scheduler", "--host", "tls://127.0.0.1:0", "--no-dashboard", *own],
-        [*program, *["worker", "--nthreads=1", "--no-nanny", "--no-dashboard"], f"--local-directory={tmp_path}", *own],
+        [*program, "scheduler", "--host", "tls://127.0.0.1:0", "--no-dashboard", *options],
+        [
+            *program,
+            *["worker", "--nthreads=1", "--no-nanny", "--no-dashboard"],
+            f"--local-directory={tmp_path}",
+            *options,
+        ],
     )
     processes = [subprocess.Popen(command, env=os.environ | ONE_THREAD, **quiet) for command in commands]  # type: ignore[call-overload]
     try:

@@ -78,8 +78,8 @@ def test_planning_executes_nothing_of_a_hook(tmp_path: Path) -> None:
 @pytest.mark.parametrize("place", ["", "def numbers(result): "])
 def test_a_hook_that_wants_to_end_the_process_is_a_fault_of_the_case(place: str, ending: str, tmp_path: Path) -> None:
     (tmp_path / "h.py").write_text(place + ending)
-    found = case_outputs(Result(curve_run()), OutputsSection(hook="h.py:numbers"), tmp_path / "h.py")
-    (fault,) = found.faults
+    outputs = case_outputs(Result(curve_run()), OutputsSection(hook="h.py:numbers"), tmp_path / "h.py")
+    (fault,) = outputs.faults
     assert fault.startswith(f"outputs.hook: {tmp_path / 'h.py'}: numbers: ")
     assert "SystemExit" in fault or "KeyboardInterrupt" in fault
 
@@ -151,20 +151,24 @@ def test_a_window_beyond_the_end_of_a_case_is_told_and_a_derailed_case_stays_der
 # A study answers nobody but its own processes: whoever can talk to a scheduler lets it execute what they like.
 def listening() -> set[tuple[str, int]]:
     """Host and port of every socket on which this process and those that it started wait for others."""
-    found = set()
-    for process in (own := psutil.Process(), *own.children(recursive=True)):
-        found |= {tuple(one.laddr) for one in process.net_connections("inet") if one.status == psutil.CONN_LISTEN}
-    return found
+    addresses_in_use = set()
+    for process in (process_here := psutil.Process(), *process_here.children(recursive=True)):
+        addresses_in_use |= {
+            tuple(connection.laddr)
+            for connection in process.net_connections("inet")
+            if connection.status == psutil.CONN_LISTEN
+        }
+    return addresses_in_use
 
 
 @pytest.fixture(scope="module")
-def own() -> set[tuple[str, int]]:
+def listening_before() -> set[tuple[str, int]]:
     """What this process listens on by itself."""
     return listening()
 
 
 @pytest.fixture(scope="module")
-def study(own: set[tuple[str, int]]) -> Iterator[Client]:
+def study(listening_before: set[tuple[str, int]]) -> Iterator[Client]:
     """One worker, as a study has it."""
     with local_workers(1) as client:
         yield client
@@ -181,8 +185,10 @@ def port_of(address: str) -> int:
     return int(address.rpartition(":")[2])
 
 
-def test_everything_that_listens_listens_on_loopback_and_serves_no_pages(study: Client, own: set[tuple[str, int]]):
-    assert listening() - own == {(LOOPBACK, port_of(address)) for address in addresses(study)}
+def test_everything_that_listens_listens_on_loopback_and_serves_no_pages(
+    study: Client, listening_before: set[tuple[str, int]]
+):
+    assert listening() - listening_before == {(LOOPBACK, port_of(address)) for address in addresses(study)}
     assert all(address.startswith(f"tls://{LOOPBACK}:") for address in addresses(study))
 
 
@@ -249,17 +255,17 @@ def test_modules_are_looked_up_in_no_folder_that_others_can_write(study: Client)
     def scratch() -> list[str]:
         return [place for place in sys.path if "dask-scratch-space" in place]
 
-    found = [*scratch(), *(place for places in study.run(scratch).values() for place in places)]
-    assert len(found) >= 3 and not open_folders(found)
-    private = {parent for place in found for parent in Path(place).parents if parent.name.startswith("wrsim-")}
+    places = [*scratch(), *(place for places in study.run(scratch).values() for place in places)]
+    assert len(places) >= 3 and not open_folders(places)
+    private = {parent for place in places for parent in Path(place).parents if parent.name.startswith("wrsim-")}
     assert private and all(parent.stat().st_mode & 0o077 == 0 for parent in private)
-    assert all(any(parent in Path(place).parents for parent in private) for place in found)
+    assert all(any(parent in Path(place).parents for parent in private) for place in places)
 
 
-@pytest.mark.parametrize(("options", "words"), table("options_of_a_scheduler"))
-def test_options_of_a_scheduler_that_do_not_go_together_are_refused(options: list[str], words: str, tmp_path: Path):
+@pytest.mark.parametrize(("options", "message"), table("options_of_a_scheduler"))
+def test_options_of_a_scheduler_that_do_not_go_together_are_refused(options: list[str], message: str, tmp_path: Path):
     (tmp_path / "study.toml").touch()
-    assert words in refusal("study", tmp_path / "study.toml", *options)
+    assert message in refusal("study", tmp_path / "study.toml", *options)
 
 
 def test_without_the_extra_a_study_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -46,11 +46,11 @@ def test_every_state_makes_every_run_with_speed_and_length_by_the_rules(programm
     straight, left, right = (programme.plan.scenario(case).spec for case in programme.plan.cases[:3])
     speed = left.vehicle.speed_kmh / 3.6
     assert 1500.0 * speed**2 / (9.80665 * 300.0) == pytest.approx(100.0 + 80.0)
-    arcs = [next(s for s in own.track.segments if s.kind == "arc") for own in (left, right)]
+    arcs = [next(s for s in spec.track.segments if s.kind == "arc") for spec in (left, right)]
     assert [arc.radius_m for arc in arcs] == [300.0, -300.0]
     assert arcs[0].length_m == 3 * 70.0  # EN 14363, very small radii
     assert straight.track.segments[0].length_m == 2 * 250.0 + 2 * 60.0
-    seeds = [own.track.irregularities[0].seed for own in (straight, left, right)]
+    seeds = [spec.track.irregularities[0].seed for spec in (straight, left, right)]
     assert seeds == [7, 8, 9]
 
 
@@ -67,34 +67,41 @@ def filled(folder: Path, statuses=(COMPLETED,) * 6, file: Path | None = None, **
     file = file or programme_file(folder)
     plan = read_programme(file, folder / "out").plan
     for i, (case, status) in enumerate(zip(plan.cases, statuses, strict=True)):
-        own = plan.folder_of(case)
-        own.mkdir(parents=True)
+        case_folder = plan.folder_of(case)
+        case_folder.mkdir(parents=True)
         radius = (0.0, 300.0, -300.0)[case.place[1]]
-        (own / RESULT).write_bytes(invented(radius, **forces if i < 3 else {}))
+        (case_folder / RESULT).write_bytes(invented(radius, **forces if i < 3 else {}))
         ended = Marker(
             case.name, case.label, status, "" if status == COMPLETED else "it fell", outputs=plan.outputs_digest
         )
-        write_marker(own, replace(ended, time_limit=plan.time_limit))
+        write_marker(case_folder, replace(ended, time_limit=plan.time_limit))
     return file
 
 
-def verdicts(found) -> dict[tuple[str, str], list[bool | None]]:
+def verdicts(report) -> dict[tuple[str, str], list[bool | None]]:
     rows: dict[tuple[str, str], list[bool | None]] = {}
-    for own in found.value:
-        rows.setdefault((own.state, own.clause), []).append(own.ok)
+    for verdict in report.value:
+        rows.setdefault((verdict.state, verdict.clause), []).append(verdict.ok)
     return rows
 
 
 def test_sound_runs_are_within_every_limit_and_a_second_run_gives_the_same_bytes(tmp_path, monkeypatch):
     file = filled(tmp_path)
     file.write_text(file.read_text().replace("[[states]]", 'stationary = ["twist"]\n[[states]]', 1))
-    own = {"clause": "twist", "symbol": "dQ/Q0", "unit": "1", "limit_source": "[read]", "passed": True, "lowest": False}
-    at_rest = {"twist_test": own | {"value": 0.31, "limit": 0.6, "margin": 0.5}}
-    monkeypatch.setattr(tests_of_type, "stationary_tests", lambda *given: (at_rest, None, ()))
+    clause = {
+        "clause": "twist",
+        "symbol": "dQ/Q0",
+        "unit": "1",
+        "limit_source": "[read]",
+        "passed": True,
+        "lowest": False,
+    }
+    at_rest = {"twist_test": clause | {"value": 0.31, "limit": 0.6, "margin": 0.5}}
+    monkeypatch.setattr(tests_of_type, "stationary_tests", lambda *arguments: (at_rest, None, ()))
     first = run_type_test(file, tmp_path / "out")
     assert verdicts(first)["wet", "twist"] == [True]
     assert first["passed"] is True and first.code == 0
-    assert all(ok is not False for own in verdicts(first).values() for ok in own)
+    assert all(ok is not False for outcomes in verdicts(first).values() for ok in outcomes)
     contents = {path.name: path.read_bytes() for path in first.files}
     assert set(contents) == {"type_test.json", "type_test.csv", "type_test.html"}
     monkeypatch.setattr(tests_of_type, "stationary_tests", None)  # stored, too
@@ -130,14 +137,14 @@ def test_a_run_takes_waves_besides_the_spectrum_and_the_vehicle_rests_on_its_can
     file.write_text(text)
     programme = read_programme(file, tmp_path / "out")
     scenarios = [programme.plan.scenario(case) for case in programme.plan.cases]
-    kinds = [[own.kind for own in scenario.spec.track.irregularities] for scenario in scenarios[:3]]
+    kinds = [[irregularity.kind for irregularity in scenario.spec.track.irregularities] for scenario in scenarios[:3]]
     assert kinds == [["spectrum"], ["spectrum", "mcat"], ["spectrum", "mcat"]]
-    found = run_type_test(filled(tmp_path, file=file), tmp_path / "out")
-    at_rest = {v.clause: v for v in found.value if v.zone == "at rest" and v.state == "new"}
-    assert verdicts(found)["wet", "cant"] == [False]  # it overturns
+    report = run_type_test(filled(tmp_path, file=file), tmp_path / "out")
+    at_rest = {v.clause: v for v in report.value if v.zone == "at rest" and v.state == "new"}
+    assert verdicts(report)["wet", "cant"] == [False]  # it overturns
     assert set(at_rest) == {"213.57(d)(1)(i)", "213.57(d)(1)(ii)", "sway"}
     lean = numbers_at_rest(vehicle_of(scenarios[0]), 80.0)["leaning"]
-    least = min(1.0 - lost for own in lean["unloading"].values() for lost in own.values())
+    least = min(1.0 - lost for wheel_losses in lean["unloading"].values() for lost in wheel_losses.values())
     share = at_rest["213.57(d)(1)(i)"]
     assert float(share.worst) == pytest.approx(least, rel=1e-3) and share.ok is (least >= 0.6)
     assert share.share == pytest.approx((least - 0.6) / 0.4, rel=1e-3)
@@ -148,12 +155,12 @@ def test_a_load_aside_springs_too_soft_and_worn_wheels_are_red_at_rest_as_by_han
     file = programme_file(tmp_path, 'stationary = ["weighing", "settling", "conicity"]\npayload_kg = 8000')
     text, wheels, springs = file.read_text(), ("S1002", "S1002_worn"), (430, 160)
     for friction, aside, stiffness, wheel in zip((0.4, 0.2), (50, 250), springs, wheels, strict=True):
-        own = f'"vehicle.carbody.centre_mm" = [0, {aside}, 1800], "vehicle.wheelset.wheel" = "wheels/{wheel}.toml"'
-        own += f', "vehicle.bogie.secondary.stiffness_kN_per_m.2" = {stiffness}'
-        text = text.replace(f"{friction} }}", f"{friction}, {own} }}")
+        changes = f'"vehicle.carbody.centre_mm" = [0, {aside}, 1800], "vehicle.wheelset.wheel" = "wheels/{wheel}.toml"'
+        changes += f', "vehicle.bogie.secondary.stiffness_kN_per_m.2" = {stiffness}'
+        text = text.replace(f"{friction} }}", f"{friction}, {changes} }}")
     file.write_text(text)
-    found = run_type_test(filled(tmp_path, file=file), tmp_path / "out")
-    rest = {(v.state, v.clause): v for v in found.value if v.zone == "at rest"}
+    report = run_type_test(filled(tmp_path, file=file), tmp_path / "out")
+    rest = {(v.state, v.clause): v for v in report.value if v.zone == "at rest"}
     sound, faulty = ({clause: v for (state, clause), v in rest.items() if state == name} for name in ("new", "wet"))
     assert all(v.ok for v in sound.values()) and not any(v.ok for v in faulty.values())
     plan = read_programme(file, tmp_path / "out").plan
@@ -167,15 +174,15 @@ def test_a_load_aside_springs_too_soft_and_worn_wheels_are_red_at_rest_as_by_han
 
 
 def test_a_run_that_derails_is_red(tmp_path):
-    found = run_type_test(filled(tmp_path, (DERAILED, *[COMPLETED] * 5)), tmp_path / "out")
-    assert verdicts(found)["new", "every run comes to its end"] == [False]
-    assert verdicts(found)["wet", "every run comes to its end"] == [True]
-    assert any("new, straight: it fell" in note for note in found["notes"])
+    report = run_type_test(filled(tmp_path, (DERAILED, *[COMPLETED] * 5)), tmp_path / "out")
+    assert verdicts(report)["new", "every run comes to its end"] == [False]
+    assert verdicts(report)["wet", "every run comes to its end"] == [True]
+    assert any("new, straight: it fell" in note for note in report["notes"])
 
 
-@pytest.mark.parametrize(("more", "old", "new", "words"), table("a_programme_that_cannot_be_run_is_refused"))
-def test_a_programme_that_cannot_be_run_is_refused(tmp_path, more, old, new, words):
-    with pytest.raises(InputError, match=words):
+@pytest.mark.parametrize(("more", "old", "new", "message"), table("a_programme_that_cannot_be_run_is_refused"))
+def test_a_programme_that_cannot_be_run_is_refused(tmp_path, more, old, new, message):
+    with pytest.raises(InputError, match=message):
         run_type_test(programme_file(tmp_path, more, old, new), tmp_path / "out", dry_run=True)
 
 
@@ -193,6 +200,6 @@ def test_a_rule_set_beside_the_programme_judges_its_runs(tmp_path, monkeypatch):
     file.write_text(file.read_text().replace("[[states]]", 'rules = "mine.toml"\n[[states]]', 1))
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
-    found = run_type_test(file, tmp_path / "out")
-    assert found["ran"] == 0
-    assert verdicts(found)["new", "shift by my rules"]
+    report = run_type_test(file, tmp_path / "out")
+    assert report["ran"] == 0
+    assert verdicts(report)["new", "shift by my rules"]

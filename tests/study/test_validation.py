@@ -79,8 +79,8 @@ def test_differences_are_those_that_were_put_in(whole):
     assert whole["shifts"]["curve"]["value"] == pytest.approx(-SHIFT, abs=0.01)
     assert of(whole, "Y")["mean"] == pytest.approx(0.0, abs=2e-3)
     q = next(row for row in whole.value if row.key == "Q")
-    for one in q.differences:  # the model has less by a part of what it has
-        assert one.difference == pytest.approx(one.model * (1.0 - GAIN), abs=0.02)
+    for difference_of_section in q.differences:  # the model has less by a part of what it has
+        assert difference_of_section.difference == pytest.approx(difference_of_section.model * (1.0 - GAIN), abs=0.02)
     assert of(whole, "Q")["mean"] == pytest.approx((1.0 - GAIN) * np.mean([d.model for d in q.differences]), abs=0.02)
 
 
@@ -116,8 +116,8 @@ def test_a_page_says_what_the_verdict_rests_on(tmp_path, sketched):
     answer = call("validate", files(tmp_path), "-o", tmp_path / "out", "--json")
     assert answer.exit_code == 0, answer.output
     page = (tmp_path / "out/validation.html").read_text()
-    for words in ("measured.csv over distance, shift -250.00 m (found by cross-correlation)", "5 of 12* sections"):
-        assert words in page
+    for text in ("measured.csv over distance, shift -250.00 m (found by cross-correlation)", "5 of 12* sections"):
+        assert text in page
     numbers = json.loads(answer.output)
     assert numbers["passed"] and "too few sections" in numbers["verdict"]
     assert {p.name for p in map(Path, numbers["files"])} >= {"validation.html", "series.png", "sections.png"}
@@ -127,7 +127,7 @@ Change = Callable[[str], str]
 
 
 @pytest.mark.parametrize(
-    "change, words",
+    "change, message",
     [
         (lambda t: t.replace('wheel = "left"', 'wheel = "left"\nwheelset = "third"'), 'wheelset = "third": there is'),
         (lambda t: t.replace('channel = "Y"\nwheel = "left"', 'channel = "Y"'), "name one wheel"),
@@ -137,12 +137,12 @@ Change = Callable[[str], str]
         (lambda t: t.replace(t[t.index("file =") : t.index("[[measured]]")], ""), "no scenario has a measured file"),
     ],
 )  # fmt: skip
-def test_a_file_that_does_not_go_together_is_refused(change: Change, words: str, tmp_path):
+def test_a_file_that_does_not_go_together_is_refused(change: Change, message: str, tmp_path):
     file = files(tmp_path)
     file.write_text(change(file.read_text()))
     with pytest.raises(InputError) as refused:
         validate(file, tmp_path / "out")
-    assert words in str(refused.value)
+    assert message in str(refused.value)
 
 
 def test_a_scenario_is_run_and_what_its_run_lacks_is_told_before(tmp_path):
