@@ -57,16 +57,16 @@ def page(chromium: Browser, made: tuple[Path, LivePair]) -> Browser:
 
 
 def state(page: Browser) -> dict[str, float]:
-    found: dict[str, float] = page.run("wrsim.page.loop.now(); return wrsim.page.state")
-    return found
+    page_state: dict[str, float] = page.run("wrsim.page.loop.now(); return wrsim.page.state")
+    return page_state
 
 
 def show(page: Browser, **change: float) -> list[dict[str, float]]:
     """Numbers of both models at a state."""
-    found: list[dict[str, float]] = page.run(
+    numbers: list[dict[str, float]] = page.run(
         f"wrsim.page.set({json.dumps(change)}); wrsim.page.loop.now(); return wrsim.page.numbers"
     )
-    return found
+    return numbers
 
 
 def test_the_page_has_the_numbers_of_python_at_200_poses(page: Browser, made: tuple[Path, LivePair]) -> None:
@@ -90,8 +90,8 @@ def test_the_page_has_the_numbers_of_python_at_200_poses(page: Browser, made: tu
     for m, settings in enumerate(made[1].settings.values()):
         model = contact_model(made[1].wheel, made[1].rail, made[1].radius, settings)
         touching = 0
-        for i, both in enumerate(contacts):
-            told, numbers = both[m], model.arrays.inputs
+        for i, solved in enumerate(contacts):
+            told, numbers = solved[m], model.arrays.inputs
             numbers.mu = numbers.mu_gauge = states[i // 2]["mu"]
             contact = model.evaluate(*np.reshape(told["pose"], (4, 3)))
             assert told["status"] == contact.status
@@ -250,12 +250,12 @@ def test_two_pages_compute_each_for_itself_and_keep_their_memory(page: Browser, 
         before = page.run(size)
         page.run(many)
         assert page.run(size) == before
-        other = show(page, shift=5.2e-3)
+        second_page = show(page, shift=5.2e-3)
     finally:
         page.driver.close()
         page.driver.switch_to.window(first)
     assert show(page, shift=5.2e-3)[0]["p0"] == pytest.approx(alone[0]["p0"], rel=1e-7)
-    assert other[0]["p0"] == pytest.approx(alone[0]["p0"], rel=1e-7)
+    assert second_page[0]["p0"] == pytest.approx(alone[0]["p0"], rel=1e-7)
 
 
 def test_the_trace_is_saved_as_a_table(page: Browser) -> None:
@@ -282,7 +282,7 @@ def test_a_live_page_runs_its_own_program_alone_and_other_pages_none(
     chromium.run("return wrsim.ready")
     assert chromium.run("return window.evil === undefined && wrsim.page.numbers.length === 2")
     assert chromium.run("return fetch('data:,x').then(() => 'open', () => 'shut')") == "shut"
-    assert all("Content Security Policy" in words for words in chromium.complaints())
+    assert all("Content Security Policy" in complaint for complaint in chromium.complaints())
     templates = files("wrsim.report").joinpath("templates")
     allowing = [part.name for part in templates.iterdir() if "wasm" in part.read_text().lower()]
     assert allowing == ["live.html"]
@@ -303,7 +303,7 @@ def test_files_of_another_kernel_are_refused_in_words(
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("arguments", "expected"),
     [
         ([PROFILES[0]], "no such scenario file"),
         (["contact", PROFILES[0]], "at least one wheel and one rail"),
@@ -312,9 +312,9 @@ def test_files_of_another_kernel_are_refused_in_words(
         ([str(ROOT / "scenarios/static_s1002.toml")], "only runs along the track"),
     ],
 )
-def test_what_is_no_page_is_told_in_one_line(given: list[str], words: str, tmp_path: Path) -> None:
-    message = refusal("live", *given, "-o", tmp_path / "x.html")
-    assert words in message and len(message.strip().splitlines()) == 1
+def test_what_is_no_page_is_told_in_one_line(arguments: list[str], expected: str, tmp_path: Path) -> None:
+    message = refusal("live", *arguments, "-o", tmp_path / "x.html")
+    assert expected in message and len(message.strip().splitlines()) == 1
 
 
 def test_the_program_comes_with_the_package_and_else_needs_zig(

@@ -64,22 +64,22 @@ def moved(page: Browser, steps: int) -> dict[str, Any]:
     return page.run(f"return wrsim.live.move({steps})")
 
 
-def slide(page: Browser, words: str, value: float) -> None:
+def slide(page: Browser, label: str, value: float) -> None:
     page.run(
-        f"const one = document.querySelector('[data-words=\"{words}\"] input'); one.value = {value};"
+        f"const one = document.querySelector('[data-words=\"{label}\"] input'); one.value = {value};"
         "one.dispatchEvent(new Event('input'))"
     )
 
 
-def differences(found: dict[str, Any], bench: Stepper) -> dict[str, float]:
+def differences(frame: dict[str, Any], bench: Stepper) -> dict[str, float]:
     """Largest difference from a stepper over the largest value, by kind of number."""
     pairs: dict[str, list[tuple[float, float]]] = {}
-    for name, body in found["bodies"].items():
+    for name, body in frame["bodies"].items():
         for key, value in body.items():
             view = bench.outputs[f"{name}.{key}_{UNITS[key]}"]
             pairs.setdefault(UNITS[key], []).append((value, float(view[0])))
     wheelsets = [mounted.name for mounted in bench.law.vehicle.wheelsets]
-    for i, wheel in enumerate(found["wheels"]):
+    for i, wheel in enumerate(frame["wheels"]):
         for key, value in wheel.items():
             of = f"{wheelsets[i // 2]}.{key}_{('left', 'right')[i % 2]}_N"
             pairs.setdefault("N", []).append((value, float(bench.outputs[of][0])))
@@ -168,10 +168,10 @@ def test_the_speed_changes_evenly_to_the_one_that_is_asked_for(fresh: Browser) -
     slide(fresh, "Speed", 3.6 * 14.0)  # from 15 m/s, by 1 m/s2
     moved(fresh, 500)
     assert fresh.run("return wrsim.live.frame.speed") == pytest.approx(14.5, abs=1e-3)
-    found = moved(fresh, 1500)
+    frame = moved(fresh, 1500)
     assert fresh.run("return wrsim.live.frame.speed") == pytest.approx(14.0, abs=1e-9)
     way = 15.0 * 1.0 - 0.5 * 1.0 + 14.0 * 1.0
-    assert found["bodies"]["wheelset"]["distance"] == pytest.approx(START + way, abs=0.05)
+    assert frame["bodies"]["wheelset"]["distance"] == pytest.approx(START + way, abs=0.05)
 
 
 def test_keys_alone_run_step_and_begin_again(again: Browser) -> None:
@@ -253,9 +253,9 @@ def test_two_pages_run_each_for_itself(fresh: Browser) -> None:
         fresh.driver.switch_to.window(first)
     bench = stepper(SCENARIO)
     bench.step(200)
-    found = moved(fresh, 200)
-    assert found["time"] == pytest.approx(0.2)
-    assert differences(found, bench)["N"] < 1e-9
+    frame = moved(fresh, 200)
+    assert frame["time"] == pytest.approx(0.2)
+    assert differences(frame, bench)["N"] < 1e-9
 
 
 def test_a_long_run_keeps_so_many_samples_and_is_saved_whole(again: Browser) -> None:

@@ -95,12 +95,12 @@ class Structure(HTMLParser):
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        own = dict(attrs)
-        self.ids += [own["id"] or ""] if "id" in own else []
-        self.links += [own["href"] or ""] if "href" in own else []
-        if tag == "img" and not own.get("alt"):
+        attributes = dict(attrs)
+        self.ids += [attributes["id"] or ""] if "id" in attributes else []
+        self.links += [attributes["href"] or ""] if "href" in attributes else []
+        if tag == "img" and not attributes.get("alt"):
             self.mute.append(self.get_starttag_text() or "")
-        if tag == "svg" and own.get("role") == "img" and not own.get("aria-label"):
+        if tag == "svg" and attributes.get("role") == "img" and not attributes.get("aria-label"):
             self.mute.append(self.get_starttag_text() or "")
 
 
@@ -109,9 +109,11 @@ def test_every_piece_holds_its_least_and_its_largest_value(samples: int, seed: i
     rng = np.random.default_rng(seed)
     places, values = np.sort(rng.uniform(-3.0, 500.0, samples)), rng.normal(size=samples)
     pieces = pieces_of([places])
-    for low, high, both in zip(pieces[:-1], pieces[1:], envelope(places, values, pieces).reshape(-1, 2), strict=True):
+    for low, high, extremes in zip(
+        pieces[:-1], pieces[1:], envelope(places, values, pieces).reshape(-1, 2), strict=True
+    ):
         inside = values[(places >= low) & ((places < high) | (high == pieces[-1]))]
-        assert not inside.size or sorted(both) == [inside.min(), inside.max()]
+        assert not inside.size or sorted(extremes) == [inside.min(), inside.max()]
 
 
 def test_an_envelope_rises_and_falls_with_its_curve_and_has_no_values_where_that_has_none() -> None:
@@ -122,10 +124,10 @@ def test_an_envelope_rises_and_falls_with_its_curve_and_has_no_values_where_that
     places = np.linspace(0.0, 10.0, 101)
     values = np.where((places > 4.0) & (places < 6.0), np.nan, 1.0)
     pieces = pieces_of([places, np.linspace(0.0, 20.0, 101)])
-    found = envelope(places, values, pieces).reshape(-1, 2)[:, 0]
+    lower = envelope(places, values, pieces).reshape(-1, 2)[:, 0]
     middles = 0.5 * (pieces[:-1] + pieces[1:])
-    assert np.isnan(found[(middles > 4.3) & (middles < 5.7)]).all()
-    assert np.isnan(found[middles > 10.5]).all() and np.isfinite(found[middles < 3.7]).all()
+    assert np.isnan(lower[(middles > 4.3) & (middles < 5.7)]).all()
+    assert np.isnan(lower[middles > 10.5]).all() and np.isfinite(lower[middles < 3.7]).all()
 
 
 @given(st.lists(st.integers(1, 298), max_size=4, unique=True), st.lists(st.integers(1, 298), max_size=4, unique=True))
@@ -138,10 +140,10 @@ def test_lines_end_where_contact_jumps_or_is_lost(starts: list[int], lost: list[
     for k in range(0, 299, 2):  # both samples of a piece, with what may lie between them
         assert (k in ends) == (k + 1 in starts and np.isfinite(values[[k, k + 1]]).all())
     for k in range(1, 297, 2):  # the last of one piece and the first of the next
-        one, two = (np.flatnonzero(np.isfinite(values[k - 1 + j : k + 1 + j])) + k - 1 + j for j in (0, 2))
-        if one.size and two.size:
-            between = range(one[-1] + 1, two[0] + 1)
-            assert (k in ends) == (any(s in starts for s in between) or two[0] > one[-1] + 1)
+        before, after = (np.flatnonzero(np.isfinite(values[k - 1 + j : k + 1 + j])) + k - 1 + j for j in (0, 2))
+        if before.size and after.size:
+            between = range(before[-1] + 1, after[0] + 1)
+            assert (k in ends) == (any(s in starts for s in between) or after[0] > before[-1] + 1)
         else:
             assert np.isnan(drawn[[k, k + 1]]).any()
 
@@ -160,18 +162,18 @@ def test_a_drawn_line_passes_all_its_points(count: int, seed: int) -> None:
 
 def test_a_report_says_who_it_is_how_it_went_and_from_which_bytes_it_came(page: str, coach: Result) -> None:
     assert f"<h1>{coach.title}</h1>" in page
-    words = "Every quantity with a limit is within its limit; without a limit or a value here: "
-    assert re.search(rf'class="verdict open">{words}[^<]*Y_qst[^<]*worst margin -?\d+ %', page), "no green"
+    verdict = "Every quantity with a limit is within its limit; without a limit or a value here: "
+    assert re.search(rf'class="verdict open">{verdict}[^<]*Y_qst[^<]*worst margin -?\d+ %', page), "no green"
     for section in ("summary", "appendix", "assessment", "track", "histories", "wheelsets", "contacts", "again"):
         assert f'<section id="{section}"' in page
     assert '<section id="wear"' not in page
     assert "wrsim run scenario.toml" in page and escape(coach.dataset.attrs["scenario_text"]) in page
     for name, digest in json.loads(coach.dataset.attrs["inputs"]).items():
         assert name in page and digest in page
-    found = json.loads(coach.dataset.attrs["inputs"])
+    digests = json.loads(coach.dataset.attrs["inputs"])
     wheel = shipped_models() / "wheels/S1002.toml"
-    assert found["wheels/S1002.toml"] == hashlib.sha256(wheel.read_bytes()).hexdigest()
-    assert {"manchester_r300.toml", "vehicles/manchester_1.toml", "rails/60E1.toml"} <= set(found)
+    assert digests["wheels/S1002.toml"] == hashlib.sha256(wheel.read_bytes()).hexdigest()
+    assert {"manchester_r300.toml", "vehicles/manchester_1.toml", "rails/60E1.toml"} <= set(digests)
 
 
 @pytest.mark.usefixtures("unpainted")
@@ -215,8 +217,8 @@ def test_what_bends_and_the_spectra_of_fast_channels_have_a_section(curve: Resul
 def test_a_report_has_a_cover(curve: Result, tmp_path: Path) -> None:
     Result(curve_run(samples=40)).save(tmp_path / "run" / "result.nc")
     (tmp_path / "logo.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"/>')
-    words = {"--title": EVIL, "--author": "A. Author", "--company": 'A "B" \\ </style> Ltd.', "--date": "today"}
-    options = [part for pair in words.items() for part in pair]
+    cover = {"--title": EVIL, "--author": "A. Author", "--company": 'A "B" \\ </style> Ltd.', "--date": "today"}
+    options = [part for pair in cover.items() for part in pair]
     assert call("report", tmp_path / "run", "--logo", tmp_path / "logo.svg", *options).exit_code == 0
     text = (tmp_path / "run" / "report.html").read_text()
     assert "A. Author" in text and "data:image/svg+xml;base64" in text and "<script>window.evil" not in text
@@ -228,16 +230,20 @@ def test_a_report_has_a_cover(curve: Result, tmp_path: Path) -> None:
 
 def test_limits_are_drawn_where_they_hold_with_that_of_nadal_beside_them() -> None:
     """That of EN 14363 from R 250 m on."""
-    found = assess_runs(
+    assessment = assess_runs(
         run(900.0, curvature=bend(200.0)),
         AssessmentSettings(axle_load=2.0 * Q0, friction=0.3, flange_angle=radians(70.0)),
     )
-    limits = chart_limits([found])
-    (own,), (nadal,) = ([o for o in limits["Y_over_Q"] if o["label"].startswith(w)] for w in ("limit", "Nadal"))
-    assert {start for start, _ in own["spans"]} == {s.start for s in found.sections if abs(s.radius) >= 250.0}
-    assert {start for start, _ in nadal["spans"]} == {s.start for s in found.sections} > {s for s, _ in own["spans"]}
-    assert {one["value"] < 0.0 for one in limits["sum_Y"]} == {True, False}
-    assert "Y/Q" in found.unlimited and "ΣY" not in found.unlimited
+    limits = chart_limits([assessment])
+    (standard,), (nadal,) = ([o for o in limits["Y_over_Q"] if o["label"].startswith(w)] for w in ("limit", "Nadal"))
+    assert {start for start, _ in standard["spans"]} == {s.start for s in assessment.sections if abs(s.radius) >= 250.0}
+    assert (
+        {start for start, _ in nadal["spans"]}
+        == {s.start for s in assessment.sections}
+        > {s for s, _ in standard["spans"]}
+    )
+    assert {limit["value"] < 0.0 for limit in limits["sum_Y"]} == {True, False}
+    assert "Y/Q" in assessment.unlimited and "ΣY" not in assessment.unlimited
 
 
 PICTURES = {
@@ -290,10 +296,10 @@ def test_nothing_comes_from_elsewhere_every_drawing_has_words_and_every_link_a_p
     assert not {a for a in addresses if "www.w3.org" not in a}
     policy = re.findall(r'Content-Security-Policy" content="([^"]*)"', page)[0]
     assert "default-src 'none'" in policy and "script-src 'sha256-" in policy
-    found = Structure(page)
-    assert not found.mute
-    assert len(found.ids) == len(set(found.ids))
-    assert {link[1:] for link in found.links} <= set(found.ids)
+    structure = Structure(page)
+    assert not structure.mute
+    assert len(structure.ids) == len(set(structure.ids))
+    assert {link[1:] for link in structure.links} <= set(structure.ids)
     assert '<html lang="en">' in page
 
 
@@ -309,19 +315,19 @@ def test_texts_of_users_are_escaped(curve: Result) -> None:
 @pytest.mark.usefixtures("unpainted")
 def test_two_results_are_set_against_each_other_with_wheelsets_from_the_front(curve: Result, page: str) -> None:
     """The second has Q of the right wheel 10 % larger, another speed, and another name of its wheelset."""
-    other = curve.dataset.copy(deep=True)
-    other["Q"].loc[{"wheel": "right"}] *= 1.1
-    text = other.attrs["scenario_text"] = other.attrs["scenario_text"] + "\n[asked]\nspeed_kmh = 99\n"
-    other = other.assign_coords(wheelset=["lead"] if "wheelset" in other.dims else "lead")
-    both = page_of(curve, Result(other))
-    body = both[: both.index(str(escape(text)))]  # the scenarios themselves are below
+    compared = curve.dataset.copy(deep=True)
+    compared["Q"].loc[{"wheel": "right"}] *= 1.1
+    text = compared.attrs["scenario_text"] = compared.attrs["scenario_text"] + "\n[asked]\nspeed_kmh = 99\n"
+    compared = compared.assign_coords(wheelset=["lead"] if "wheelset" in compared.dims else "lead")
+    comparison = page_of(curve, Result(compared))
+    body = comparison[: comparison.index(str(escape(text)))]  # the scenarios themselves are below
     assert body.count("asked.speed_kmh: not given in A, 99 in B") == 1
     assert body.count("wheelsets are matched from the front: wheelset and lead") == 1
     assert body.count("<article") == 1  # one card, of both
     (largest,) = re.findall(r'<th scope="row">max Q \[kN\]</th>(.*?)</tr>', body, re.DOTALL)
     assert re.findall(r"<td>(.*?)</td>", largest)[-2:] == ["0.0", "10.0"]
     assert "<td>10</td>" in body[body.index('id="differences"') :]
-    assert 'id="differences"' in both and 'id="differences"' not in page
+    assert 'id="differences"' in comparison and 'id="differences"' not in page
 
 
 def test_contacts_have_a_picture_and_numbers_of_every_patch_in_contact(page: str, coach: Result) -> None:
@@ -370,25 +376,25 @@ def test_paper_has_pictures_of_the_height_of_their_pages_and_the_screen_keeps_it
 
 def test_the_charts_answer_with_the_envelope_of_the_dataset(opened: Browser, coach: Result) -> None:
     for s in (5.3, 33.1, 47.7):
-        found = opened.run(f"return wrsim.seek({s})")
-        assert found["from"] <= s <= found["to"] + 1e-9
+        readings = opened.run(f"return wrsim.seek({s})")
+        assert readings["from"] <= s <= readings["to"] + 1e-9
         for name in wheelsets(coach.dataset):
-            own = coach.wheelset(name)
-            inside = (own["distance"] >= found["from"]) & (own["distance"] < found["to"])
+            wheelset = coach.wheelset(name)
+            inside = (wheelset["distance"] >= readings["from"]) & (wheelset["distance"] < readings["to"])
             if not inside.any():  # a value between two samples
                 continue
             for key, factor in (("Y", 1e-3), ("Q", 1e-3), ("lateral_shift", 1e3), ("yaw", 1e3)):
-                lines = [line for line in found["values"][key] if line["part"] == name]
-                values = own[key].values[inside.values].reshape(int(inside.sum()), -1) * factor
+                lines = [line for line in readings["values"][key] if line["part"] == name]
+                values = wheelset[key].values[inside.values].reshape(int(inside.sum()), -1) * factor
                 for line, of in zip(lines, values.T, strict=True):
                     assert line["low"] == pytest.approx(of.min(), rel=1e-4, abs=1e-6)
                     assert line["high"] == pytest.approx(of.max(), rel=1e-4, abs=1e-6)
     assert opened.run("return document.querySelectorAll('.uplot canvas').length") >= 6
     # one cursor over all charts: the legend of each tells the values there
     told = opened.run("return [...document.querySelectorAll('.panels > div')].map((panel) => panel.textContent)")
-    places = [float(words.split("place")[1].lstrip(":").split(" m")[0]) for words in told]
-    assert len(places) > 6 and all(found["from"] <= s <= found["to"] for s in places)
-    assert any("1 front.outer" in words and "right" in words for words in told)
+    places = [float(legend.split("place")[1].lstrip(":").split(" m")[0]) for legend in told]
+    assert len(places) > 6 and all(readings["from"] <= s <= readings["to"] for s in places)
+    assert any("1 front.outer" in legend and "right" in legend for legend in told)
     assert opened.run("return document.documentElement.scrollWidth <= innerWidth")
     # ticks of an axis are all different, and none is a zero with a sign
     ticks = opened.run("return wrsim.ticks([-0.0025, -1e-18, 0.0025, 0.005], 0.0025)")
@@ -422,7 +428,7 @@ def test_texts_of_users_and_foreign_scripts_run_nothing_and_cards_of_wheelsets_f
     chromium.run("document.getElementById('foreign').click(); return new Promise((done) => setTimeout(done, 0, 1))")
     assert chromium.run("return window.evil === undefined && wrsim.data.charts.length > 0")
     told = chromium.complaints()
-    assert len(told) >= 5 and all("Content Security Policy" in words for words in told), told
+    assert len(told) >= 5 and all("Content Security Policy" in complaint for complaint in told), told
     widths = chromium.run(
         "return [...document.querySelectorAll('.card table')].map((t) => [t.offsetWidth, t.parentElement.clientWidth])"
     )
@@ -457,18 +463,18 @@ def stability() -> Result:
 @pytest.fixture(scope="module")
 def bent(coach: Result) -> Result:
     """The run, with rails and axles bent at its middle."""
-    own = coach.dataset
-    at = float(own["wheelset_distance"][own.sizes["time"] // 2, 0])
-    place, y = at + np.linspace(-8.0, 8.0, 65), np.linspace(-1.1, 1.1, 9)
-    dip = -1e-3 * np.exp(-((place - at) ** 2))
+    dataset = coach.dataset
+    middle = float(dataset["wheelset_distance"][dataset.sizes["time"] // 2, 0])
+    place, y = middle + np.linspace(-8.0, 8.0, 65), np.linspace(-1.1, 1.1, 9)
+    dip = -1e-3 * np.exp(-((place - middle) ** 2))
     axles = np.full((3, 4, 9), np.nan)
     axles[:, 0] = y, 0.0 * y, 4e-4 - 4e-4 * (y / 0.75) ** 2
     shapes = {"bent_place": ("rail_node", place), "bent_rail": (("rail_node", "wheel"), np.stack([dip, 0.0 * dip], 1))}
     shapes |= {
         f"bent_axle_{axis}": (("wheelset", "axle_node"), shape) for axis, shape in zip("yxz", axles, strict=True)
     }
-    about = own.attrs | {"bent_by": f"{wheelsets(own)[0]} left", "bent_at_m": at}
-    return Result(own.assign(shapes).assign_attrs(about))
+    about = dataset.attrs | {"bent_by": f"{wheelsets(dataset)[0]} left", "bent_at_m": middle}
+    return Result(dataset.assign(shapes).assign_attrs(about))
 
 
 @pytest.fixture(scope="module")
@@ -491,23 +497,23 @@ def modes_page(stability: Result, tmp_path_factory: pytest.TempPathFactory) -> P
 def test_contacts_solved_again_are_those_of_the_run(coach: Result) -> None:
     setup, why = setup_of(coach, Path())
     assert setup is not None, why
-    own = coach.dataset
-    samples = [sample_of(own, m) for m in range(own.sizes["snapshot"])]
-    found = with_moments(own, setup, samples)
+    dataset = coach.dataset
+    samples = [sample_of(dataset, m) for m in range(dataset.sizes["snapshot"])]
+    solved_again = with_moments(dataset, setup, samples)
     for name in ("strip_p", "strip_a", "strip_y", "strip_angle"):
-        both = [np.nan_to_num(d[name].values) for d in (own, found)]
+        pressures = [np.nan_to_num(d[name].values) for d in (dataset, solved_again)]
         # rates of the pose act through the damping alone
-        assert np.abs(both[0] - both[1]).max() < 3e-3 * np.abs(both[0]).max(), name
-    assert np.nanmax(np.abs(found["wheel_profile_z"].values - own["wheel_profile_z"].values)) < 1e-8
+        assert np.abs(pressures[0] - pressures[1]).max() < 3e-3 * np.abs(pressures[0]).max(), name
+    assert np.nanmax(np.abs(solved_again["wheel_profile_z"].values - dataset["wheel_profile_z"].values)) < 1e-8
 
 
 def test_pressures_between_the_kept_moments_are_those_of_the_samples(coach: Result) -> None:
     setup, _ = setup_of(coach, Path())
     assert setup is not None
     samples = [40, 180, 300]
-    found = with_moments(coach.dataset, setup, samples)
+    solved_again = with_moments(coach.dataset, setup, samples)
     p0 = coach.dataset["p0"].values[samples]
-    again = np.nanmax(np.nan_to_num(found["strip_p"].values), axis=-1)
+    again = np.nanmax(np.nan_to_num(solved_again["strip_p"].values), axis=-1)
     # p0 is the vertex between the middles of strips: up to 2.3 % above the largest of them
     ratio = again[np.isfinite(p0)] / p0[np.isfinite(p0)]
     assert ratio.min() > 0.975 and ratio.max() < 1.003
@@ -551,10 +557,10 @@ def test_the_drawn_track_is_the_track_of_the_run(coach: Result, viewed: Path) ->
 def test_the_drawn_cant_lies_over_the_cant_base_of_the_track(coach: Result, base_mm: float, monkeypatch) -> None:
     monkeypatch.setattr("wrsim.report.view_data.SECTIONS", 2)
     text = coach.dataset.attrs["scenario_text"].replace("[track]", f"[track]\ncant_base_mm = {base_mm}")
-    other = Result(coach.dataset.assign_attrs(scenario_text=text))
-    setup, why = setup_of(other, Path())
+    changed = Result(coach.dataset.assign_attrs(scenario_text=text))
+    setup, why = setup_of(changed, Path())
     assert setup is not None, why
-    track = view_data(other, setup)["run"]["track"]
+    track = view_data(changed, setup)["run"]["track"]
     roll = unpacked(track["line"])[:, 4]
     s = track["start"] + PATH_STEP * np.arange(len(roll))
     inside = (s > 1.0) & (s < 60.0)
@@ -587,9 +593,13 @@ def test_modes_are_those_of_the_result(stability: Result, modes_page: Path) -> N
             assert min(abs(m["damping"]) for m in of["modes"]) < 1e-2
             continue
         i = int(np.argmin(np.abs(speeds - of["speed"])))
-        own = stability.dataset["mode_frequency"].values[i]
-        assert [m["frequency"] for m in of["modes"]] == pytest.approx(own[np.isfinite(own)].tolist(), rel=1e-5)
-        assert [m["name"] for m in of["modes"]] == stability.dataset["mode_name"].values[i][np.isfinite(own)].tolist()
+        frequencies = stability.dataset["mode_frequency"].values[i]
+        assert [m["frequency"] for m in of["modes"]] == pytest.approx(
+            frequencies[np.isfinite(frequencies)].tolist(), rel=1e-5
+        )
+        assert [m["name"] for m in of["modes"]] == stability.dataset["mode_name"].values[i][
+            np.isfinite(frequencies)
+        ].tolist()
 
 
 def test_without_its_model_files_a_result_still_shows_its_contacts_but_there_must_be_something_to_see() -> None:
@@ -611,27 +621,27 @@ def viewer(chromium: Browser, viewed: Path) -> Browser:
 
 
 def test_seek_gives_the_numbers_of_the_dataset(viewer: Browser, coach: Result) -> None:
-    own = coach.dataset
+    dataset = coach.dataset
     for s in (3.3, 44.9, 53.0):
-        found = viewer.run(f"return wrsim.ready.then(() => wrsim.seek({s}))")
-        i = int(np.argmin(np.abs(own["distance"].values - s)))
-        assert found["s"] == own["distance"].values[i] and found["time"] == own["time"].values[i]
-        for w, name in enumerate(wheelsets(own)):
-            for key, value in found["wheelsets"][name].items():
-                channel, _, patch = (key, "", "0") if key in own else key.rpartition("_")
-                truth = own[channel].values[i, w]
-                truth = truth[..., int(patch)] if "patch" in own[channel].dims else truth
+        readings = viewer.run(f"return wrsim.ready.then(() => wrsim.seek({s}))")
+        i = int(np.argmin(np.abs(dataset["distance"].values - s)))
+        assert readings["s"] == dataset["distance"].values[i] and readings["time"] == dataset["time"].values[i]
+        for w, name in enumerate(wheelsets(dataset)):
+            for key, value in readings["wheelsets"][name].items():
+                channel, _, patch = (key, "", "0") if key in dataset else key.rpartition("_")
+                truth = dataset[channel].values[i, w]
+                truth = truth[..., int(patch)] if "patch" in dataset[channel].dims else truth
                 shown = [value[side] for side in ("left", "right")] if isinstance(value, dict) else value
                 numbers = np.array([np.nan if v is None else v for v in np.atleast_1d(shown)], dtype=float)
                 factor = CHANNELS[channel].shown.factor
                 assert numbers == pytest.approx(factor * np.atleast_1d(truth), rel=1e-6, abs=1e-12, nan_ok=True)
-        assert {"Y", "Q", "Y_over_Q", "lateral_shift", "yaw", "p0"} <= set(found["wheelsets"]["front.outer"])
-        section = found["section"]
-        near = int(np.argmin(np.abs(own["time"].values - section["time"])))
-        one = coach.wheelset(section["wheelset"]).sel(wheel=section["wheel"])
-        pressures = one["p0"].values[near] * 1e-6
+        assert {"Y", "Q", "Y_over_Q", "lateral_shift", "yaw", "p0"} <= set(readings["wheelsets"]["front.outer"])
+        section = readings["section"]
+        near = int(np.argmin(np.abs(dataset["time"].values - section["time"])))
+        wheel = coach.wheelset(section["wheelset"]).sel(wheel=section["wheel"])
+        pressures = wheel["p0"].values[near] * 1e-6
         assert 0.98 < max(p["p0"] for p in section["patches"]) / np.nanmax(pressures) < 1.003  # of strips' middles
-        assert abs(section["time"] - found["time"]) < 0.1
+        assert abs(section["time"] - readings["time"]) < 0.1
     assert viewer.complaints() == []
 
 
@@ -676,8 +686,8 @@ def test_the_right_rail_of_the_scene_is_higher_by_the_cant_in_a_left_curve(viewe
 
 def test_keys_and_the_history_go_along_the_run(viewer: Browser) -> None:
     viewer.run("return wrsim.ready.then(() => wrsim.seek(40))")
-    at = "return wrsim.viewer.at"
-    before = viewer.run(at)
+    current_sample = "return wrsim.viewer.at"
+    before = viewer.run(current_sample)
     ends = viewer.run(f"""const at = (id) => document.getElementById(id), page = document.body;
         return [['ArrowRight', page], ['ArrowLeft', at('place')], ['Home', at('play')], ['End', at('place')]].map(
             ([key, target]) => {{ wrsim.viewer.go({before});
@@ -740,7 +750,7 @@ def test_a_script_that_gets_into_the_viewer_does_not_run(chromium: Browser, view
     chromium.run("return wrsim.ready")
     assert chromium.run("return window.evil === undefined && document.querySelector('h1').offsetHeight > 0")
     told = chromium.complaints()
-    assert len(told) == 2 and all("Content Security Policy" in words for words in told), told
+    assert len(told) == 2 and all("Content Security Policy" in complaint for complaint in told), told
 
 
 def test_modes_move(chromium: Browser, modes_page: Path) -> None:
@@ -765,7 +775,7 @@ def test_a_report_takes_the_viewer_of_poses_inside(chromium: Browser, tmp_path: 
     chromium.open(file)
     chromium.run("document.querySelector('iframe').scrollIntoView()")
     inside = "document.querySelector('iframe').contentWindow"
-    found = chromium.run(f"return {inside}.wrsim.ready.then(() => {inside}.wrsim.seek(1))")
-    assert found["pose"] == str(result.dataset["pose"].values[1])
+    readings = chromium.run(f"return {inside}.wrsim.ready.then(() => {inside}.wrsim.seek(1))")
+    assert readings["pose"] == str(result.dataset["pose"].values[1])
     assert chromium.run(f"return window.evil === {inside}.evil && {inside}.document.title") == EVIL_TITLE
     assert chromium.colours("iframe") > 20 and chromium.complaints() == []

@@ -38,8 +38,8 @@ def on_springs(vehicle: Vehicle, gravity: float = 0.0) -> VehicleOnTrack:
     return VehicleOnTrack(vehicle, track, (), speed=0.0, start=100.0, drive="free", gravity=gravity)
 
 
-def spring(at: Sequence[float] = (0.0, 0.0, HEIGHT), name: str = "spring", **values: object) -> Spring:
-    x, y, z = at
+def spring(position: Sequence[float] = (0.0, 0.0, HEIGHT), name: str = "spring", **values: object) -> Spring:
+    x, y, z = position
     return replace(Spring(name, "spring", TRACK, "box", (x, y, z)), **values)  # type: ignore[arg-type]
 
 
@@ -55,11 +55,14 @@ def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarra
     n = len(law.bodies)
     turn, c, s = 2.0, np.cos(2.0), np.sin(2.0)
     for i in range(n):
-        own = q[6 * i : 6 * i + 6]
-        own[1], own[2] = c * (own[1] - 100.0) - s * own[2], s * (own[1] - 100.0) + c * own[2]
-        own[3] += turn
-        own[:3] += 0.03 * rng.standard_normal(3)
-        own[3:] += 0.08 * rng.standard_normal(3)
+        coordinates = q[6 * i : 6 * i + 6]
+        coordinates[1], coordinates[2] = (
+            c * (coordinates[1] - 100.0) - s * coordinates[2],
+            s * (coordinates[1] - 100.0) + c * coordinates[2],
+        )
+        coordinates[3] += turn
+        coordinates[:3] += 0.03 * rng.standard_normal(3)
+        coordinates[3:] += 0.08 * rng.standard_normal(3)
     q_t[: 6 * n] = rng.standard_normal(6 * n)
     q_t[6 * n :] = 0.01 * rng.standard_normal(law.dampers)
     return q, q_t

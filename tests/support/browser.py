@@ -49,7 +49,7 @@ class Browser:
 
     def renderers(self) -> list[Path]:
         """Folders in /proc of the processes that run pages."""
-        found, parents = [], {self.driver.service.process.pid}
+        renderers, parents = [], {self.driver.service.process.pid}
         processes = [process for process in Path("/proc").iterdir() if process.name.isdigit()]
         for process in sorted(processes, key=lambda p: int(p.name)):
             try:
@@ -57,10 +57,10 @@ class Browser:
                 if parent in parents:
                     parents.add(int(process.name))
                     if "--type=renderer" in (process / "cmdline").read_text():
-                        found.append(process)
+                        renderers.append(process)
             except OSError:
                 continue  # it has ended
-        return found
+        return renderers
 
     def complaints(self) -> list[str]:
         """Messages in the console since the page was opened, but for those of a driver about its own speed."""
@@ -98,9 +98,9 @@ def browser() -> Iterator[Browser]:
 
 def unexplained(browser: Browser) -> list[str]:
     """Controls of a page without a name, a title of theirs or of their group, or out of the keyboard's reach."""
-    found: list[str] = browser.run(
+    controls: list[str] = browser.run(
         "return [...document.querySelectorAll('button, input, select')].filter((e) => {"
         " const name = e.ariaLabel || [...e.labels].map((l) => l.textContent.trim()).join('') || e.textContent.trim();"
         " return !name || !e.closest('[title]') || e.tabIndex < 0 }).map((e) => e.outerHTML)"
     )
-    return found
+    return controls

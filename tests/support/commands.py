@@ -47,24 +47,27 @@ def forked(
 ) -> subprocess.CompletedProcess[str]:
     """Run ``wrsim`` with these arguments in a process of its own; first: what that does before; encoding: of what it
     prints."""
-    words = [str(a) for a in arguments]
+    command_line = [str(a) for a in arguments]
     if sys.platform == "win32":
         if first is not bool:
             pytest.skip("Windows forks no process that could be prepared")
-        command, environment = [sys.executable, "-m", "wrsim", *words], os.environ | {"PYTHONIOENCODING": encoding}
+        command, environment = (
+            [sys.executable, "-m", "wrsim", *command_line],
+            os.environ | {"PYTHONIOENCODING": encoding},
+        )
         return subprocess.run(command, env=environment, capture_output=True, encoding=encoding, check=False)
     with TemporaryFile() as out, TemporaryFile() as err:
         child = os.fork()
         if child == 0:
             for number, stream in ((1, out), (2, err)):
                 os.dup2(stream.fileno(), number)
-            _be_the_command(words, first, encoding)
+            _be_the_command(command_line, first, encoding)
         code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         told = []
         for stream in (out, err):
             stream.seek(0)
             told.append(stream.read().decode(errors="replace"))
-    return subprocess.CompletedProcess(words, code, *told)
+    return subprocess.CompletedProcess(command_line, code, *told)
 
 
 def on_a_terminal(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
@@ -73,25 +76,25 @@ def on_a_terminal(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
         pytest.skip("Windows has no pseudo-terminals of POSIX")
     import pty
 
-    words = [str(a) for a in arguments]
+    command_line = [str(a) for a in arguments]
     child, terminal = pty.fork()
     if child == 0:
-        _be_the_command(words)
+        _be_the_command(command_line)
     told = b""
     with suppress(OSError):  # so it ends on Linux
         while part := os.read(terminal, 65536):
             told += part
     os.close(terminal)
     code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    return subprocess.CompletedProcess(words, code, told.decode(), "")
+    return subprocess.CompletedProcess(command_line, code, told.decode(), "")
 
 
-def _be_the_command(words: list[str], first: Callable[[], object] = bool, encoding: str = "utf-8") -> None:
+def _be_the_command(command_line: list[str], first: Callable[[], object] = bool, encoding: str = "utf-8") -> None:
     code = 70
     try:
         first()
         sys.stdout, sys.stderr = (open(number, "w", encoding=encoding, closefd=False) for number in (1, 2))  # noqa: SIM115
-        sys.argv = ["wrsim", *words]
+        sys.argv = ["wrsim", *command_line]
         main()
         code = 0
     except SystemExit as end:

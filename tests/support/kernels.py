@@ -84,14 +84,14 @@ FULL_ALONE = {
 
 def kernels() -> dict[tuple[str, str], Any]:
     """All kernels by the file and the name of their Python function."""
-    found = {}
+    dispatchers = {}
     for path in sources():
         module = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
         for thing in vars(importlib.import_module(module)).values():
             function = getattr(thing, "py_func", None)
             if function is not None:
-                found[function.__code__.co_filename, function.__name__] = thing
-    return found
+                dispatchers[function.__code__.co_filename, function.__name__] = thing
+    return dispatchers
 
 
 def lowered(model: ContactModel, lateral: float, yaw: float, depth: float = 1e-4) -> list[float]:
@@ -111,39 +111,39 @@ def lowered(model: ContactModel, lateral: float, yaw: float, depth: float = 1e-4
 
 def contact_cases(full: bool) -> dict[str, list[float]]:
     """One wheel on one rail; not in full: each kernel but FULL_ALONE at work, and no place more."""
-    found = {}
+    cases = {}
     for tangential in KERNEL_LAWS:
         for lateral, yaw in PLACES if full else PLACES[1:2]:
             model = pair_model(PAIR, tangential=tangential, **SMALL)
-            found[f"{tangential} {lateral:g}"] = lowered(model, lateral, yaw)
+            cases[f"{tangential} {lateral:g}"] = lowered(model, lateral, yaw)
     slope = {"slope_k0": 0.5, "slope_alpha_inf": 0.1, "slope_beta": 0.5}
     plain = pair_model(PAIR, tangential="fastsim", flexibility="three", max_patches=1, **slope, **SMALL)
-    found["three flexibilities, one lobe"] = lowered(plain, *PLACES[1])
-    found["outline"] = list(wheel_outline(WheelOnRail(plain, 1, 0.75, (0.0, 0.0))).ravel())
+    cases["three flexibilities, one lobe"] = lowered(plain, *PLACES[1])
+    cases["outline"] = list(wheel_outline(WheelOnRail(plain, 1, 0.75, (0.0, 0.0))).ravel())
     for lateral, yaw in PLACES if full else ():
         model = pair_model(PAIR, normal="strips", **SMALL)
         model.arrays.follow(True)
         for depth in (1e-4, 1.1e-4, 4e-5):
-            found[f"strips {lateral:g} {depth:g}"] = lowered(model, lateral, yaw, depth)
+            cases[f"strips {lateral:g} {depth:g}"] = lowered(model, lateral, yaw, depth)
     # a lobe leaves the contact, another one widens
     model = pair_model("S1002/60E1 1:20", normal="strips", **SMALL)
     model.arrays.follow(True)
     for lateral, depth in ((6e-3, 3e-5), (6.15e-3, 2e-5)) if full else ():
-        found[f"lobes change {lateral:g}"] = lowered(model, lateral, 0.002, depth)
+        cases[f"lobes change {lateral:g}"] = lowered(model, lateral, 0.002, depth)
     if full:
-        found["a grid leaves"] = _leaving(model)
+        cases["a grid leaves"] = _leaving(model)
     model = pair_model("S1002/60E1 1:20", normal="strips", **SMALL)
     model.arrays.follow(True)
     for lateral, depth, budget in ((6e-3, 3e-5, 1e3), (6.15e-3, 2e-5, 5.0), (6.15e-3, 3e-5, 5.0)) if full else ():
         model.arrays.rows.memo["budget"], model.arrays.rows.memo["work"] = budget, 0.0
-        found[f"a budget {lateral:g} {depth:g}"] = lowered(model, lateral, 0.002, depth)
+        cases[f"a budget {lateral:g} {depth:g}"] = lowered(model, lateral, 0.002, depth)
     # a tail beside a maximum comes and goes: the last resort
     model = pair_model(PAIR, normal="strips", **SMALL | {"strips": 8})
     model.arrays.follow(True)
     stand = bench(model, rolling=False)
     for height in (0.460652, 0.460651, 0.460692, 0.4608) if full else ():
         stand.evaluate(6.53e-3, height, 0.0176, 0.0)
-        found[f"a tail {height:g}"] = numbers(contact_of(stand))
+        cases[f"a tail {height:g}"] = numbers(contact_of(stand))
     coarse = HalfSpaceSettings(resolution=6 if full else 4, tolerance=1e-9)
     level = replace(coarse, pairing="level", influence="angle-corrected")
     for name, settings, tangential, rail in (
@@ -154,50 +154,50 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         model = pair_model(PAIR, normal="half-space", tangential=tangential, half_space=settings, **SMALL)
         choices = replace(model.settings, rail=rail)
         model = contact_model(model.wheel, model.rail, model.radius, choices, FRICTION)
-        found[name] = lowered(model, *PLACES[0])
+        cases[name] = lowered(model, *PLACES[0])
     crown = circle("crown", "rail", 0.3, 0.001)
     dip = RailSurface("dip", tuple(RailSection(s, crown.shifted(0.0, -0.002 * s)) for s in (0.0, 0.05)))
     for normal in ("kik-piotrowski", *["strips"] * full):
         settings = ContactSettings(normal=normal, strips=6, cells=4)
         model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, settings, FRICTION, dip)
         yawed = model.evaluate((0.0, 1e-4, 0.45991), (-0.01, sqrt(1.0 - 1e-4), 0.0), place=0.021)
-        found[f"rail of sections, {normal}, yawed"] = numbers(yawed)
+        cases[f"rail of sections, {normal}, yawed"] = numbers(yawed)
         dent = (Flat.rounded(0.46, 0.04, 1e-4, width=0.05),)
         model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, settings, FRICTION, out_of_round=dent)
         yawed = model.evaluate((0.0, 1e-4, 0.45993), (-0.01, sqrt(1.0 - 1e-4), 0.0), wheel_angle=0.03)
-        found[f"wheel out of round, {normal}"] = numbers(yawed)
+        cases[f"wheel out of round, {normal}"] = numbers(yawed)
     few = ContactSettings(normal="kik-piotrowski", strips=6, cells=4)
     rig = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, few, FRICTION, roller=0.8)
-    found["roller"] = numbers(rig.evaluate((0.0, 1e-4, 0.45991), (-0.01, sqrt(1.0 - 1e-4), 0.0), (20.0, 0.0, 0.0)))
+    cases["roller"] = numbers(rig.evaluate((0.0, 1e-4, 0.45991), (-0.01, sqrt(1.0 - 1e-4), 0.0), (20.0, 0.0, 0.0)))
     hot = replace(few, layer=ThirdBody(1e-5, yield_stress=1e8, hardening=1e12), temperature=Heating(-0.1))
     warmed = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, hot, FRICTION)
     sliding = warmed.evaluate((0.0, 1e-4, 0.45991), velocity=(20.0, 0.0, 0.0), omega=(0.0, 43.0, 0.0))
-    found["layer that yields, heat"] = numbers(sliding)
+    cases["layer that yields, heat"] = numbers(sliding)
     many = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, few, FRICTION)
     poses = np.array([[0.0, o, 0.45995, 0.0, 1.0, 0.0, 20.0, 0.0, 0.0, 0.0, 43.7, 0.0] for o in (0.0, 1e-4)])
     for threads in (1, 2):
-        found[f"many poses, {threads} threads"] = many.evaluate_many(poses, threads=threads).force.ravel().tolist()
+        cases[f"many poses, {threads} threads"] = many.evaluate_many(poses, threads=threads).force.ravel().tolist()
     loaded = many.solve_many(poses, 3e4, threads=1)
-    found["many poses under a load"] = [*map(float, loaded.status), *map(float, abs(loaded.force[:, 2] - 3e4) < 0.1)]
+    cases["many poses under a load"] = [*map(float, loaded.status), *map(float, abs(loaded.force[:, 2] - 3e4) < 0.1)]
     rolling = contact_model(many.wheel, many.rail, 0.46, replace(few, tangential="fastrip"), FRICTION)
     rolling.evaluate(poses[0, :3], poses[0, 3:6], poses[0, 6:9], poses[0, 9:])
     (loads,) = surface_loads(rolling)
-    found["stress below"] = (loads.stress([0.0, 1e-3], 1e-4, [0.0, 2e-3]).components / loads.p0).ravel().tolist()
+    cases["stress below"] = (loads.stress([0.0, 1e-3], 1e-4, [0.0, 2e-3]).components / loads.p0).ravel().tolist()
     search = np.zeros(1, SEARCH)
     search["load"], search["tolerance"], search["farthest"], search["scale"] = 3e4, 1e-8, 5e-3, 1e-4
     held = pack([search, *many.inputs])
     held.views[1 + Arrays._fields.index("pose")][:] = poses[0]
     held.views[0]["start"] = poses[0, 2]
     met = contact_at_load(held.buffer, held.index)
-    found["a load in C"] = [float(met), float(abs(held.views[-1]["Fb"][0] - 3e4) < 0.1)]
+    cases["a load in C"] = [float(met), float(abs(held.views[-1]["Fb"][0] - 3e4) < 0.1)]
     exact = ContactSettings(normal="half-space", cells=4, half_space=HalfSpaceSettings(resolution=3, tolerance=1e-9))
     exact = replace(exact, temperature=Heating(-0.1))
     model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, exact, FRICTION, dip)
     rolling = model.evaluate((0.0, 0.0, 0.45991), velocity=(20.0, 0.1, 0.0), omega=(0.0, 43.7, 0.0), place=0.02)
-    found["rail of sections, exact"] = numbers(rolling)
+    cases["rail of sections, exact"] = numbers(rolling)
     keep = np.zeros(61, dtype=bool)
     unfold(branches_that_cross(61), 0, -1.0, keep)
-    found["branches that cross"] = keep.astype(float).tolist()
+    cases["branches that cross"] = keep.astype(float).tolist()
     along = FrictionAlong((0.0, 1.0, 2.0), (Friction(0.4), FRICTION, Friction(0.1)))
     curved = ContactSettings(strips=6, cells=4, half_space=HalfSpaceSettings(influence="angle-corrected"))
     model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, curved, along)
@@ -205,8 +205,8 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
     for place in (-1.0, 0.3, 1.0, 1.7, 3.0) if full else (0.3, 0.3001):
         height = 0.4593 if full else 0.4597 if place == 0.3 else 0.45965
         rolling = model.evaluate((0.0, 1e-3, height), velocity=(20.0, 0.1, 0.0), omega=(0.0, 43.7, 0.0), place=place)
-        found[f"friction along the rail, {place:g}"] = numbers(rolling)
-    return found
+        cases[f"friction along the rail, {place:g}"] = numbers(rolling)
+    return cases
 
 
 def _leaving(model: ContactModel) -> list[float]:
@@ -223,7 +223,7 @@ def twistable(wheelset: Wheelset) -> Wheelset:
 
 def vehicle_cases() -> dict[str, list[float]]:
     """A vehicle with two bogies in a curve, on elastic rails, driven by its wheels; another on conical wheels."""
-    found = {}
+    cases = {}
     vehicle = manchester()
     rows = ((0.0, 1e3, 2e3, -3e3), (40.0, 0.0, 1e3, 0.0), (70.0, -1e3, 5e3, 0.0), (300.0, 0.0, 0.0, 0.0))
     push = Load("push", vehicle.parts[0].name, (1.0, 0.2, 0.5), rows, "distance")
@@ -238,14 +238,14 @@ def vehicle_cases() -> dict[str, list[float]]:
         q[2 : 6 * len(vehicle.wheelsets) : 6] -= 1e-4
         out = np.zeros(law.size)
         law(0.01, q, q_t, out)
-        found[f"vehicle, {drive}"] = list(out)
-        found[f"records, {drive}"] = list(law.records.ravel())
+        cases[f"vehicle, {drive}"] = list(out)
+        cases[f"records, {drive}"] = list(law.records.ravel())
     arms = shipped("gz18")
     hinged = VehicleOnTrack(arms, law.track, (), speed=20.0, start=60.0)
     boxes, boxes_t = design_state(hinged)
     boxes[-8:], boxes_t[-8:] = 0.01, 0.2
     hinged(0.0, boxes, boxes_t, swing := np.zeros(hinged.size))
-    found["axle boxes"] = list(swing)
+    cases["axle boxes"] = list(swing)
     twisting = vehicle.with_wheelsets(twistable)
     brake = Effort(vehicle.wheelsets[1].name, ((0.0, -9e3),), wheel="left")
     apart = on_track(replace(twisting, efforts=(brake,), slip_control=None), 20.0, curve).law
@@ -253,28 +253,28 @@ def vehicle_cases() -> dict[str, list[float]]:
     angles[2 : 6 * len(vehicle.wheelsets) : 6] -= 1e-4
     angles[-4:], rates[-4:] = 1e-3, 0.2
     apart(0.0, angles, rates, twist := np.zeros(apart.size))
-    found["twist"] = list(twist)
+    cases["twist"] = list(twist)
     wheelset = shipped("wheelset_s1002_steering").with_wheelsets(twistable)
     alone = on_track(wheelset, 20.0, curve, stepped=True).law
-    at, moving = design_state(alone, lateral=2e-3)
-    at[2] -= 1e-4
-    at[-1], moving[-1] = 1e-3, 0.2
-    found["implicit step"] = implicit_step(alone, at, moving)
-    found["rails on sleepers"] = step_on_sleepers(curve)
-    found["elastic axle on a bridge"] = bent(curve)
+    pose, moving = design_state(alone, lateral=2e-3)
+    pose[2] -= 1e-4
+    pose[-1], moving[-1] = 1e-3, 0.2
+    cases["implicit step"] = implicit_step(alone, pose, moving)
+    cases["rails on sleepers"] = step_on_sleepers(curve)
+    cases["elastic axle on a bridge"] = bent(curve)
     wagon = Wagon("wagon", 8e4, -30.0, 9.0, (1e3, 10.0, 1.0), 0.7)
     members = Member("coach", 4, 3), Member("wagon", 0, 0, True, 5e4, 0.1, wagon)
     train = replace(vehicle, loads=(), efforts=(), members=members, brakes=BrakePipe(250.0, 4.0, ((0.0, 1.0),)))
     drawn = VehicleOnTrack(train, law.track, (), speed=20.0, start=60.0)
     drawn(1.0, *design_state(drawn), behind := np.zeros(drawn.size))
-    found["wagon along the track"] = list(behind)
+    cases["wagon along the track"] = list(behind)
     motors = shipped("manchester_motor")
     moment = Effort(motors.drives[0].wheelset, ((0.0, 5e3),))
     geared = VehicleOnTrack(replace(motors, efforts=(moment,)), law.track, (), speed=20.0, start=60.0)
     still, turning = design_state(geared)
     turning[list(geared.gears.values())] = 1e-3
     geared(0.0, still, turning, shafts := np.zeros(geared.size))
-    found["geared motors"] = [*shafts, *geared.relaxed_rates(still, turning)]
+    cases["geared motors"] = [*shafts, *geared.relaxed_rates(still, turning)]
     frame, sides = vehicle.index("front.frame"), {"coulomb": 1e5, "fancher": 5e4, "berg": 3e4}
     ends = vehicle.parts[frame].name, "carbody", vehicle.parts[frame].centre
     sliders: list[Element] = [
@@ -288,41 +288,41 @@ def vehicle_cases() -> dict[str, list[float]]:
     rubs_t[:] += np.sin(np.arange(rubbing.size)) * 1e-2
     rubs[:] += np.cos(np.arange(rubbing.size)) * 1e-2
     rubbing(0.0, rubs, rubs_t, rubbed := np.zeros(rubbing.size))
-    found["friction"] = list(rubbed)
-    found["friction settled"] = list(rubbing.relaxed_rates(rubs, rubs_t))
-    found["inertia"] = [*mass_matrix(law.bodies, q).ravel(), *velocity_forces(law.bodies, q, q_t)]
-    found["accelerations"] = list(accelerations(law.bodies, q[None], q_t[None], out[None]).ravel())
+    cases["friction"] = list(rubbed)
+    cases["friction settled"] = list(rubbing.relaxed_rates(rubs, rubs_t))
+    cases["inertia"] = [*mass_matrix(law.bodies, q).ravel(), *velocity_forces(law.bodies, q, q_t)]
+    cases["accelerations"] = list(accelerations(law.bodies, q[None], q_t[None], out[None]).ravel())
     sampled = SampledForces(law, 1, False)
     sampled.evaluate(
         0, np.array([0.01]), q[None], q_t[None], law.places(np.array([[50.0 + m.x for m in vehicle.wheelsets]]))
     )
-    found["sampled forces"] = [*sampled.forces[0], *sampled.of("total 0", 1)["Fb"][0]]
+    cases["sampled forces"] = [*sampled.forces[0], *sampled.of("total 0", 1)["Fb"][0]]
     kinetic_energies(q[None], q_t[None], inertia_table(law.bodies), len(vehicle.wheelsets), energy := np.zeros(1))
-    found["kinetic energy"] = list(energy)
-    found["a filter"] = list(zero_phase(butterworth(4, 5.0, True, 100.0), np.arange(40.0) ** 2, 30))
-    found["finite"] = [float(first_not_finite(q, q_t))]
+    cases["kinetic energy"] = list(energy)
+    cases["a filter"] = list(zero_phase(butterworth(4, 5.0, True, 100.0), np.arange(40.0) ** 2, 30))
+    cases["finite"] = [float(first_not_finite(q, q_t))]
     poses = poses_on_track(law.track.centre, q[None, :6], q_t[None, :6], 50.0)
-    found["poses"] = [float(np.ravel(value)[0]) for value in poses]
+    cases["poses"] = [float(np.ravel(value)[0]) for value in poses]
     steady = SteadyMotion(law)
-    found["steady"] = list(steady.residual(steady.unknowns(q, q_t)))
+    cases["steady"] = list(steady.residual(steady.unknowns(q, q_t)))
     path = law.track.centre
     places = np.array([10.0, 60.0])
-    found["path"] = [*path.frame(places).ravel(), *np.ravel(curvature(path, places))]
-    found["path"] += list(locate(path, path.position(places) + np.array([0.1, 0.2, 0.3]), places + 1.0))
+    cases["path"] = [*path.frame(places).ravel(), *np.ravel(curvature(path, places))]
+    cases["path"] += list(locate(path, path.position(places) + np.array([0.1, 0.2, 0.3]), places + 1.0))
     wheels = ConicalWheels(0.1, 0.75, 1e7, 1e7, friction=0.3, flange_clearance=1e-3, flange_stiffness=1e7)
     conical = ConicalVehicleOnTrack(vehicle, law.track, wheels, speed=20.0, start=50.0)
     conical(0.01, q, q_t, out)
-    found["conical"] = list(out)
-    bench = Stepper(alone, at, moving, 1e-3, 1)
+    cases["conical"] = list(out)
+    bench = Stepper(alone, pose, moving, 1e-3, 1)
     bench.step()
-    found["step with a deadline"] = [*bench.q, *(float(value[0]) for value in bench.outputs.values())]
-    return found
+    cases["step with a deadline"] = [*bench.q, *(float(value[0]) for value in bench.outputs.values())]
+    return cases
 
 
 def bent(segments: list[Segment]) -> list[float]:
     """An elastic axle that spins, bent, on a bridge: forces."""
     axle = Axle(((2.2, 0.16),), count=2)
-    wheelset = shipped("wheelset_s1002_steering").with_wheelsets(lambda own: replace(own, axle=axle))
+    wheelset = shipped("wheelset_s1002_steering").with_wheelsets(lambda plain: replace(plain, axle=axle))
     deck = Bridge.of_spans(40.0, (30.0,), 2e10, 2e4, 0.02, 2)
     law = on_track(wheelset, 20.0, segments, structure=deck).law
     q, q_t = design_state(law, lateral=2e-3)
@@ -403,21 +403,24 @@ def note_first_calls() -> set[tuple[str, str]]:
         @wraps(kernel)
         def first(*arguments: Any) -> Any:
             worked.add((kernel.__code__.co_filename, kernel.__code__.co_name))
-            for own, name in places:
-                own[name] = kernel
+            for namespace, name in places:
+                namespace[name] = kernel
             return kernel(*arguments)
 
         return first
 
-    found: dict[Any, list[tuple[dict[Any, Any], Any]]] = {}
+    namespaces_of: dict[Any, list[tuple[dict[Any, Any], Any]]] = {}
     for module in list(sys.modules.values()):
-        for own in (vars(module), *(thing for thing in vars(module).values() if type(thing) is dict)):  # stages, too
-            for name, thing in own.items():
+        for namespace in (
+            vars(module),
+            *(thing for thing in vars(module).values() if type(thing) is dict),
+        ):  # stages, too
+            for name, thing in namespace.items():
                 if isinstance(thing, FunctionType) and thing.__code__.co_filename in SOURCES:
-                    found.setdefault(thing, []).append((own, name))
-    for kernel, places in found.items():
-        for own, name in places:
-            own[name] = watched(kernel, places)
+                    namespaces_of.setdefault(thing, []).append((namespace, name))
+    for kernel, places in namespaces_of.items():
+        for namespace, name in places:
+            namespace[name] = watched(kernel, places)
     return worked
 
 

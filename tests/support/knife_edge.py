@@ -39,26 +39,26 @@ HERTZ, DAMPING, CREEP, NORMAL0, FRICTION, R0, HALF, GAMMA = range(8)
 
 
 @kernel
-def edge_contact(body, own, side, law):
+def edge_contact(body, track_frame, side, law):
     """Approach, contact point (global), unit vectors t, s (tangent across) and n (out of the wheel)."""
     c, sine = cos(law[GAMMA]), sin(law[GAMMA])
-    shift = side * dot(sub(body.position, own.origin), own.n)
+    shift = side * dot(sub(body.position, track_frame.origin), track_frame.n)
     radius = law[R0] + sine / c * shift
-    at = add(body.position, mixed(side * (law[HALF] - shift), body.left, -radius, body.up))
-    depth = -dot(sub(at, own.origin), own.b)
+    point = add(body.position, mixed(side * (law[HALF] - shift), body.left, -radius, body.up))
+    depth = -dot(sub(point, track_frame.origin), track_frame.b)
     across = mixed(side * c, body.left, sine, body.up)
-    return depth * c, at, body.forward, across, mixed(side * sine, body.left, -c, body.up)
+    return depth * c, point, body.forward, across, mixed(side * sine, body.left, -c, body.up)
 
 
 @kernel
-def edge_forces(body, own, side, speed, law):
+def edge_forces(body, track_frame, side, speed, law):
     """Force and moment (about the centre of mass) of one edge on the wheelset, and N. side: +1 left, -1
     right."""
-    delta, at, t, s, n = edge_contact(body, own, side, law)
+    delta, point, t, s, n = edge_contact(body, track_frame, side, law)
     if not delta > 0.0:
         zero = 0.0 * delta
         return Vec(zero, zero, zero), Vec(zero, zero, zero), zero
-    v = components(point_velocity(body, at), t, s, n)
+    v = components(point_velocity(body, point), t, s, n)
     normal = max(0.0, law[HERTZ] * delta * sqrt(delta) + law[DAMPING] * sqrt(delta) * v.z)
     stiffness = law[CREEP] * (normal / law[NORMAL0]) ** (2.0 / 3.0) / speed
     linear = stiffness * sqrt(v.x * v.x + v.y * v.y)
@@ -69,7 +69,7 @@ def edge_forces(body, own, side, speed, law):
         e = linear / bound
         factor = 1.0 - e / 3.0 + e * e / 27.0
     force = from_components(Vec(-stiffness * factor * v.x, -stiffness * factor * v.y, -normal), t, s, n)
-    return force, cross(sub(at, body.position), force), normal
+    return force, cross(sub(point, body.position), force), normal
 
 
 @kernel
@@ -79,9 +79,9 @@ def knife_edge_forces(q, q_t, curve, speed, law, memory, out):
     Returns the status of ``locate``."""
     body = kinematics(q, q_t)
     memory[0], status = locate(curve, body.position, memory[0])
-    own = frame_at(curve, memory[0])
+    track_frame = frame_at(curve, memory[0])
     for i in range(2):
-        force, moment, memory[1 + i] = edge_forces(body, own, 1.0 - 2.0 * i, speed, law)
+        force, moment, memory[1 + i] = edge_forces(body, track_frame, 1.0 - 2.0 * i, speed, law)
         add_generalised_forces(body, force, moment, out[:6])
     return status
 

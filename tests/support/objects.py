@@ -22,8 +22,8 @@ def _kept(name: str, stage: Any, target: str) -> list[bytes]:
     if CACHE is None:
         return emit_objects({name: stage}, target)
     processor = stage.targetctx.codegen().magic_tuple()
-    words = name, stage.py_func.__module__, stage.py_func.__name__, processor, target
-    key = hashlib.sha256(repr(words).encode()).hexdigest()[:16]
+    identity = name, stage.py_func.__module__, stage.py_func.__name__, processor, target
+    key = hashlib.sha256(repr(identity).encode()).hexdigest()[:16]
     paths = [Path(CACHE) / f"{key}-{level}.o" for level in range(len(TARGETS[target].levels))]
     if not all(path.exists() for path in paths):
         for path, code in zip(paths, emit_objects({name: stage}, target), strict=True):

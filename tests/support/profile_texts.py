@@ -92,8 +92,8 @@ INSTRUMENTS: dict[str, Callable[[Points], str]] = {
 
 def cases(profile: Profile, every: int = 1) -> Iterator[Case]:
     """Files of a profile, every n-th of them."""
-    found = list(_cases(profile))
-    yield from found[::every]
+    all_cases = list(_cases(profile))
+    yield from all_cases[::every]
 
 
 def _cases(profile: Profile) -> Iterator[Case]:

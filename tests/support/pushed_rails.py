@@ -42,17 +42,17 @@ def push(rails: RailsOnSleepers, step: float, forces: np.ndarray) -> np.ndarray:
 def response(rails: RailsOnSleepers, frequency: float, way: str, turns: int = 160) -> complex:
     """Amplitude of the rail under the left wheel, with its phase, under a harmonic force of 1 N there [m]; way:
     "vertical" or "lateral"; turns: steps a period."""
-    step, found, at = 1.0 / (frequency * turns), 0.0 + 0.0j, 0 if way == "lateral" else 1
+    step, amplitude, direction = 1.0 / (frequency * turns), 0.0 + 0.0j, 0 if way == "lateral" else 1
     periods = max(6, int(0.06 * frequency))
     for k in range(1, periods * turns + 1):
         phase = 2.0 * np.pi * k / turns
         forces = np.zeros((2, 2))
-        forces[0, at] = np.cos(phase)
-        moved = push(rails, step, forces)[0, at]
+        forces[0, direction] = np.cos(phase)
+        moved = push(rails, step, forces)[0, direction]
         if k > (periods - 1) * turns:
-            found += 2.0 / turns * moved * np.exp(-1j * phase)
+            amplitude += 2.0 / turns * moved * np.exp(-1j * phase)
     assert abs(rails.wheels["last_b"] - forces[:, 1]).max() < 1e-6
-    return found
+    return amplitude
 
 
 def rolling(law: VehicleOnTrack, duration: float, step: float, monitor: Monitor | None = None) -> Motion:

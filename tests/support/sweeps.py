@@ -22,12 +22,12 @@ def jumps(pair, yaw, load, span, most=15, **choices):
     return steepest(force, np.arange(knots[0], knots[-1], STEP), most)
 
 
-def steepest(force, xs, most, found=None):
+def steepest(force, xs, most, values=None):
     """(place, change) of a function of one number at its steepest places, halved until a jump is left.
 
-    found: its values at ``xs``, where they are known."""
-    found = [force(x) for x in xs] if found is None else found
-    change = np.abs(np.diff(found, axis=0)).max(axis=1)
+    values: its values at ``xs``, where they are known."""
+    values = [force(x) for x in xs] if values is None else values
+    change = np.abs(np.diff(values, axis=0)).max(axis=1)
     usual = np.array([np.median(change[max(0, i - 4) : i + 5]) for i in range(len(change))])
     rows = []
     for i in np.argsort(usual - change)[:most]:

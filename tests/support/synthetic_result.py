@@ -24,14 +24,14 @@ def wheels_at(
     shifts: NDArray[np.float64], yaws: NDArray[np.float64], loads: NDArray[np.float64], sides: tuple[str, ...] = SIDES
 ) -> dict[str, NDArray[Any]]:
     """Channels of wheels at lateral shifts [m], yaws [rad] and loads (poses, wheels) [N], of a single wheelset."""
-    found = []
+    wheels = []
     for j, side in enumerate(sides):
         model = pair_model("S1002/60E1 1:40", strips=31, cells=8, max_patches=3)
-        poses = [Pose(f"{i}", *own) for i, own in enumerate(zip(shifts, yaws, loads[:, j], strict=True))]
-        found.append(solve_poses(model, poses, side=side).wheelset())  # type: ignore[arg-type]
-    both = xr.concat(found, "wheel", data_vars="minimal", coords="minimal", compat="override", join="outer")
-    both = both.transpose("pose", "wheel", ...)
-    return {str(n): v.values for n, v in both.data_vars.items() if n not in OWN and "wheel" in v.dims}
+        poses = [Pose(f"{i}", *arguments) for i, arguments in enumerate(zip(shifts, yaws, loads[:, j], strict=True))]
+        wheels.append(solve_poses(model, poses, side=side).wheelset())  # type: ignore[arg-type]
+    joined = xr.concat(wheels, "wheel", data_vars="minimal", coords="minimal", compat="override", join="outer")
+    joined = joined.transpose("pose", "wheel", ...)
+    return {str(n): v.values for n, v in joined.data_vars.items() if n not in OWN and "wheel" in v.dims}
 
 
 def lose(arrays: dict[str, NDArray[Any]], force: float, *place: Any) -> None:

@@ -27,10 +27,10 @@ def run(
     """A run whose channels are functions of distance [m]; y, q: of both wheels [N]."""
     time = np.arange(int(length / speed / step) + 1) * step
     s = speed * time
-    given = {"distance": s, "speed": np.full(s.size, speed), "curvature": curvature(s), "cant": np.zeros(s.size)}
-    given |= {"Y": np.column_stack(y(s)), "Q": np.column_stack(q(s))} | {n: of(s) for n, of in channels.items()}
+    values = {"distance": s, "speed": np.full(s.size, speed), "curvature": curvature(s), "cant": np.zeros(s.size)}
+    values |= {"Y": np.column_stack(y(s)), "Q": np.column_stack(q(s))} | {n: of(s) for n, of in channels.items()}
     known = {"title": "synthetic", "analysis": "curving", "status": "completed", "scenario_text": ""}
-    return Result(assemble({"time": time}, given, known | dict(attributes or {})))
+    return Result(assemble({"time": time}, values, known | dict(attributes or {})))
 
 
 def curve(radius: float, lead: float = 200.0, ramp: float = 50.0, length: float = 300.0) -> Callable[[Array], Array]:

@@ -37,7 +37,9 @@ def begin_early(config: pytest.Config) -> None:
         config.stash[EARLY] = uncompiled("few")
 
 
-def _work(session: pytest.Session, name: str, files: list[list[pytest.Item]], queue: int, there: Connection) -> None:
+def _work(
+    session: pytest.Session, name: str, files: list[list[pytest.Item]], queue: int, connection: Connection
+) -> None:
     """Runs the tests of the files whose numbers are taken from the queue; never returns."""
     config = session.config
     config.get_terminal_writer()._file = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
@@ -47,7 +49,9 @@ def _work(session: pytest.Session, name: str, files: list[list[pytest.Item]], qu
     factory = config._tmp_path_factory  # type: ignore[attr-defined]
     factory._basetemp = factory.mktemp(name, numbered=False)
     written = config.hook.pytest_report_to_serializable
-    sender = SimpleNamespace(pytest_runtest_logreport=lambda report: there.send(written(config=config, report=report)))
+    sender = SimpleNamespace(
+        pytest_runtest_logreport=lambda report: connection.send(written(config=config, report=report))
+    )
     config.pluginmanager.register(sender)
     try:
         while number := os.read(queue, 2):
@@ -78,33 +82,33 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
     os.close(entrance)
     names, workers = {}, {}
     for name in (f"worker{i}" for i in range(config.option.workers)):
-        here, there = Pipe(duplex=False)
-        names[here] = SimpleNamespace(gateway=SimpleNamespace(id=name), _workerinfocache=name)
+        receiver, sender = Pipe(duplex=False)
+        names[receiver] = SimpleNamespace(gateway=SimpleNamespace(id=name), _workerinfocache=name)
         if (pid := os.fork()) == 0:
             for connection in names:
                 connection.close()  # a worker's pipe is to break with this process
-            _work(session, name, files, queue, there)
-        there.close()
-        workers[here] = pid
+            _work(session, name, files, queue, sender)
+        sender.close()
+        workers[receiver] = pid
     open_, unfinished = set(workers), {item.nodeid: item for item in session.items}
     try:
         while open_:
-            for here in wait(open_):
+            for receiver in wait(open_):
                 try:
-                    data = here.recv()
+                    data = receiver.recv()
                 except EOFError:
-                    open_.remove(here)
+                    open_.remove(receiver)
                     continue
                 report = config.hook.pytest_report_from_serializable(config=config, data=data)
-                report.node = names[here]
+                report.node = names[receiver]
                 if report.when == "teardown":
                     del unfinished[report.nodeid]
                 config.hook.pytest_runtest_logreport(report=report)
                 if session.shouldfail:
                     raise session.Failed(session.shouldfail)
     finally:
-        for here in open_:
-            os.kill(workers[here], signal.SIGINT)
+        for receiver in open_:
+            os.kill(workers[receiver], signal.SIGINT)
         ends = [os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) for pid in workers.values()]
     if any(ends) and not unfinished:
         raise session.Failed(f"the workers ended with {ends}")
