@@ -163,12 +163,12 @@ def prescribed_load(wheel: Profile, rail: Profile) -> None:
         for row, shift in zip(poses, np.linspace(-6e-3, 8e-3, len(poses)), strict=True):
             bench.place(float(shift), 0.48, 2e-3, 0.0)
             row[:] = model.arrays.pose
-        found = model.solve_many(poses, 55e3, threads=1).poses
+        loaded = model.solve_many(poses, 55e3, threads=1).poses
         pose, cold = (
             microseconds(call, 1, 5) / len(poses)
             for call in (
                 lambda model=model, poses=poses: model.solve_many(poses, 55e3, threads=1),
-                lambda model=model, found=found: model.evaluate_many(found, threads=1),
+                lambda model=model, loaded=loaded: model.evaluate_many(loaded, threads=1),
             )
         )
         print(f"  {normal:22s}{pose:9.1f}{cold:9.1f}{pose / cold:15.2f}{ROOT_FINDER * cold / pose:22.1f}")

@@ -46,8 +46,8 @@ WARM = 100  # steps, of which page faults do not count
 KEYS: dict[str, Any] = {
     "vehicle.speed_kmh": 60.0,
     "track.rail_sections": [
-        {"at_m": 40.0 + at, "rail": "rails/60E1.toml", "side": "right", "down_mm": down}
-        for at, down in ((-1.0, 0.0), (-0.3, 0.0), (0.0, 3.0), (0.3, 0.0), (1.0, 0.0))
+        {"at_m": 40.0 + offset, "rail": "rails/60E1.toml", "side": "right", "down_mm": down}
+        for offset, down in ((-1.0, 0.0), (-0.3, 0.0), (0.0, 3.0), (0.3, 0.0), (1.0, 0.0))
     ],
     "track.irregularities": [{"kind": "spectrum", "spectrum": "ERRI-low", "seed": 1, "wavelength_m": [3, 100]}],
     "run.start_distance_m": 12.0,

@@ -57,8 +57,8 @@ int main(int count, char **words)
 
 def from_c(folder: Path, pose: Array) -> float:
     """Microseconds a contact in the program."""
-    words = [str(folder / "time"), str(folder / "contact"), str(CALLS), *(repr(float(x)) for x in pose)]
-    return float(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
+    command = [str(folder / "time"), str(folder / "contact"), str(CALLS), *(repr(float(x)) for x in pose)]
+    return float(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
 def from_python(model: ContactModel, pose: Array, whole: bool) -> float:

@@ -101,9 +101,9 @@ with tempfile.TemporaryDirectory() as folder, browser() as opened:
     opened.run("return wrsim.ready")
     print(f"{'':22s}{'work':>14s}{'contacts':>14s}{'best':>14s}{'pictures':>14s}   [ms] median / 95 %")
     for name, way in WAYS.items():
-        for at in ("load", "height"):
-            rows = opened.run(f"return (async () => {{{FRAMES % str([*way, at])}}})()")
-            print(f"{f'{name}, {at}':22s}" + "".join(f"{a:7.1f} /{b:5.1f}" for a, b in rows))
+        for prescribed in ("load", "height"):
+            rows = opened.run(f"return (async () => {{{FRAMES % str([*way, prescribed])}}})()")
+            print(f"{f'{name}, {prescribed}':22s}" + "".join(f"{a:7.1f} /{b:5.1f}" for a, b in rows))
     print(load())
     write_live(str(COACH), file, step=1e-3)
     opened.open(file, width=1280, height=900)
@@ -116,7 +116,7 @@ with tempfile.TemporaryDirectory() as folder, browser() as opened:
         f"coach: {speeds[0]:.2f} to {speeds[-1]:.2f} simulated seconds a second, median {speeds[len(speeds) // 2]:.2f}"
     )
     print(f"coach: {used:.2f} s of processor time in a simulated second")
-    for what, drawn in (("all that is drawn", "true"), ("without three dimensions", "false")):
+    for drawing, drawn in (("all that is drawn", "true"), ("without three dimensions", "false")):
         frames, rate = opened.run(f"return (async () => {{{SHOWN % drawn}}})()")
-        print(f"coach, {what}: {frames:.1f} frames a second at {rate:.2f} times real time")
+        print(f"coach, {drawing}: {frames:.1f} frames a second at {rate:.2f} times real time")
     print(load())

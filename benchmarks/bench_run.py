@@ -28,17 +28,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--json", action="store_true", help="the last line is JSON")
     as_json = parser.parse_args().json
-    found: dict[str, dict[str, dict[str, float]]] = {}
+    speeds: dict[str, dict[str, dict[str, float]]] = {}
     for model, (name, keys) in RUNS.items():
         scenario = load(SCENARIOS / f"{name}.toml")
-        own = figures(build(scenario.with_values(keys)))
+        measured = figures(build(scenario.with_values(keys)))
         reference = build(scenario.with_values(KIK_PIOTROWSKI))
         plan = replace(reference.plan, integrator="rk44", step=REFERENCE_STEP)
-        own["to_reference"] = own["real_time"] / figures(replace(reference, plan=plan))["real_time"]
-        found[name] = {model: own}
-        print(f"{name}, {model}: " + ", ".join(f"{key} {value:.3g}" for key, value in own.items()), flush=True)
+        measured["to_reference"] = measured["real_time"] / figures(replace(reference, plan=plan))["real_time"]
+        speeds[name] = {model: measured}
+        print(f"{name}, {model}: " + ", ".join(f"{key} {value:.3g}" for key, value in measured.items()), flush=True)
     if as_json:
-        print(json.dumps({"wheelset": found}))
+        print(json.dumps({"wheelset": speeds}))
 
 
 if __name__ == "__main__":

@@ -76,8 +76,8 @@ def run(folder: Path, cases: int, seconds: float, workers: int, keep: str) -> tu
 
 def same(plans: list[Plan]) -> bool:
     """True if all studies came to the same numbers, to the bit."""
-    first, *others = (collected(plan, markers_of(plan)) for plan in plans)
-    return all(first.identical(other) for other in others)
+    first, *repeated = (collected(plan, markers_of(plan)) for plan in plans)
+    return all(first.identical(dataset) for dataset in repeated)
 
 
 def scale(folder: Path, cases: int) -> dict[str, float]:
@@ -153,9 +153,9 @@ def main() -> None:
     if asked.json:
         print(json.dumps(figures))
         return
-    for name, own in figures.items():
-        print(name if isinstance(own, dict) else f"{name}: {own}")
-        for key, value in own.items() if isinstance(own, dict) else ():
+    for name, value_or_table in figures.items():
+        print(name if isinstance(value_or_table, dict) else f"{name}: {value_or_table}")
+        for key, value in value_or_table.items() if isinstance(value_or_table, dict) else ():
             print(f"  {key:<24} {value:.6g}")
 
 

@@ -72,13 +72,15 @@ def main() -> None:
     parser.add_argument("--counts", nargs="*", type=int, default=[1, 2, 4, 8, 16])
     parser.add_argument("--repetitions", type=int, default=3)
     chosen = parser.parse_args()
-    found: dict[str, dict[int, dict[str, float]]] = {}
+    trains: dict[str, dict[int, dict[str, float]]] = {}
     for model in chosen.models:
-        found[model] = {}
+        trains[model] = {}
         for count in chosen.counts:
-            own = found[model][count] = figures(count, model, chosen.repetitions)
-            print(f"{model}, {count}: " + ", ".join(f"{name} {value:.3g}" for name, value in own.items()), flush=True)
-    print(json.dumps({"train": found}) if chosen.json else "")
+            measured = trains[model][count] = figures(count, model, chosen.repetitions)
+            print(
+                f"{model}, {count}: " + ", ".join(f"{name} {value:.3g}" for name, value in measured.items()), flush=True
+            )
+    print(json.dumps({"train": trains}) if chosen.json else "")
 
 
 if __name__ == "__main__":

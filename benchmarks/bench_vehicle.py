@@ -51,13 +51,15 @@ UNEVEN: dict[str, Any] = {
 SECTIONS: dict[str, Any] = {
     "run.distance_m": 100.0,
     "track.rail_sections": [
-        {"at_m": at, "rail": f"rails/60E1{'_worn' * worn}.toml"} for at, worn in ((10, 0), (40, 1), (70, 0), (90, 1))
+        {"at_m": place, "rail": f"rails/60E1{'_worn' * worn}.toml"}
+        for place, worn in ((10, 0), (40, 1), (70, 0), (90, 1))
     ],
 }
 ALIKE: dict[str, Any] = {
     "run.distance_m": 100.0,
     "track.rail_sections": [
-        {"at_m": at, "rail": "rails/60E1.toml", "outward_mm": off} for at, off in ((10, 0.0), (40, 1e-4), (70, 0.0))
+        {"at_m": place, "rail": "rails/60E1.toml", "outward_mm": off}
+        for place, off in ((10, 0.0), (40, 1e-4), (70, 0.0))
     ],
 }
 AT_80: dict[str, Any] = UNEVEN | {"vehicle.speed_kmh": 80.0, "run.distance_m": 120.0}
@@ -178,10 +180,11 @@ def accuracy(case: str) -> None:
 
     times, truth = filtered(TRUTH_US, "rk44")
     for step_us in STEPS_US:
-        at, values = filtered(step_us, "generalised-alpha")
-        inside = (at > 0.1) & (at < times[-1] - 0.1)
+        sampled, values = filtered(step_us, "generalised-alpha")
+        inside = (sampled > 0.1) & (sampled < times[-1] - 0.1)
         errors = {
-            name: np.abs(values[name] - CubicSpline(times, truth[name])(at))[inside].max() / np.abs(truth[name]).max()
+            name: np.abs(values[name] - CubicSpline(times, truth[name])(sampled))[inside].max()
+            / np.abs(truth[name]).max()
             for name in values
         }
         print(f"  {case}, {1e-3 * step_us:g} ms: " + ", ".join(f"{name} {e:.2g}" for name, e in errors.items()))
@@ -194,23 +197,23 @@ def main() -> None:
     parser.add_argument("--models", nargs="*", choices=MODELS, default=list(MODELS))
     parser.add_argument("--cases", nargs="*", choices=CASES, default=list(CASES))
     chosen = parser.parse_args()
-    found: dict[str, dict[str, dict[str, float]]] = {}
+    speeds: dict[str, dict[str, dict[str, float]]] = {}
     for case in chosen.cases:
         reference = reference_speed(case)
         print(f"{case}: Kik-Piotrowski, rk44 at {1e3 * REFERENCE_STEP:g} ms: {reference:.2f} times real time")
-        found[case] = {}
+        speeds[case] = {}
         for model in chosen.models:
-            own = figures(build(scenario_of(case, model)))
-            own["to_reference"] = own["real_time"] / reference
-            found[case][model] = own
-            print(f"  {model}: " + ", ".join(f"{name} {value:.3g}" for name, value in own.items()), flush=True)
+            measured = figures(build(scenario_of(case, model)))
+            measured["to_reference"] = measured["real_time"] / reference
+            speeds[case][model] = measured
+            print(f"  {model}: " + ", ".join(f"{name} {value:.3g}" for name, value in measured.items()), flush=True)
     if not chosen.json:
         for case in ("curve", "uneven", "freight"):
             split(case)
         print(f"largest difference from rk44 at {1e-3 * TRUTH_US:g} ms, after the low-pass of 20 Hz:")
         for case in ("curve", "uneven", "freight"):
             accuracy(case)
-    print(json.dumps({"coach": found}) if chosen.json else "")
+    print(json.dumps({"coach": speeds}) if chosen.json else "")
 
 
 if __name__ == "__main__":

@@ -34,19 +34,19 @@ LAWS = ["usfd", "archard", "brr"]
 def best(work: Callable[[], object], repetitions: int) -> float:
     """Least processor time of the work [s]."""
     work()
-    found = []
+    durations = []
     for _ in range(repetitions):
         began = time.process_time()
         work()
-        found.append(time.process_time() - began)
-    return min(found)
+        durations.append(time.process_time() - began)
+    return min(durations)
 
 
 def of_run(repetitions: int) -> dict[str, float]:
     """A run without wear and with it."""
     plain = load(ROOT / "scenarios/manchester_r300.toml")
     worn = plain.with_values({"wear.laws": LAWS})
-    without, with_wear = (best(lambda own=own: run(own), repetitions) for own in (plain, worn))
+    without, with_wear = (best(lambda scenario=scenario: run(scenario), repetitions) for scenario in (plain, worn))
     return {"run_s": without, "run_with_wear_s": with_wear, "ratio": with_wear / without}
 
 
@@ -64,9 +64,9 @@ def of_step(name: str) -> dict[str, float]:
 
     with TemporaryDirectory() as folder:
         for number in range(2):  # the first compiles
-            one = replace(evolution, digest=f"{number}")
+            fresh = replace(evolution, digest=f"{number}")
             spent[0], began = 0.0, time.process_time()
-            next(wear_steps(one, Path(folder) / str(number), work))
+            next(wear_steps(fresh, Path(folder) / str(number), work))
             whole = time.process_time() - began
     cases = STAGES * len(evolution.shares)
     return {"step_s": whole, "cases": cases, "case_s": spent[0] / cases, "between_s": whole - spent[0]}
@@ -79,11 +79,11 @@ def main() -> None:
     parser.add_argument("--repetitions", type=int, default=2)
     parser.add_argument("--services", nargs="*", choices=SERVICES, default=list(SERVICES))
     chosen = parser.parse_args()
-    found: dict[str, Any] = {"run": of_run(chosen.repetitions)}
-    found |= {name: of_step(name) for name in chosen.services}
-    for name, own in found.items():
-        print(f"{name}: " + ", ".join(f"{key} {value:.3g}" for key, value in own.items()), flush=True)
-    print(json.dumps({"wear": found}) if chosen.json else "")
+    table: dict[str, Any] = {"run": of_run(chosen.repetitions)}
+    table |= {name: of_step(name) for name in chosen.services}
+    for name, row in table.items():
+        print(f"{name}: " + ", ".join(f"{key} {value:.3g}" for key, value in row.items()), flush=True)
+    print(json.dumps({"wear": table}) if chosen.json else "")
 
 
 if __name__ == "__main__":
