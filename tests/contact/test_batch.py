@@ -36,11 +36,11 @@ def test_many_contacts_are_those_of_one_by_one_to_the_bit(normal):
     heights = model.solve_many(poses_of(model), LOAD, threads=1).poses
     many = model.evaluate_many(heights, threads=1)
     for i, row in enumerate(heights):
-        one = model.evaluate(*row.reshape(4, 3))
-        assert np.array_equal(many.force[i], one.force)
-        assert np.array_equal(many.moment[i], one.moment)
-        assert np.array_equal(many.raw.patches[i, 0, : len(one.patches)], one.patches)
-        assert np.nansum(many.N[i]) == pytest.approx(one.normal_force, rel=1e-14)
+        contact = model.evaluate(*row.reshape(4, 3))
+        assert np.array_equal(many.force[i], contact.force)
+        assert np.array_equal(many.moment[i], contact.moment)
+        assert np.array_equal(many.raw.patches[i, 0, : len(contact.patches)], contact.patches)
+        assert np.nansum(many.N[i]) == pytest.approx(contact.normal_force, rel=1e-14)
 
 
 @pytest.mark.parametrize("lobes", [1, 2])
@@ -92,12 +92,12 @@ def test_many_contacts_carry_their_loads_and_are_those_at_their_heights(normal):
 def test_neither_order_nor_threads_change_a_bit(normal):
     model = model_of(normal)
     poses = poses_of(model, np.linspace(-6e-3, 8e-3, 41))
-    one, two = (model.solve_many(poses, LOAD, threads=count) for count in (1, min(2, cores())))
+    one_thread, two_threads = (model.solve_many(poses, LOAD, threads=count) for count in (1, min(2, cores())))
     back = model.solve_many(poses[::-1], LOAD, threads=1)
-    for many in (two, back):
+    for many in (two_threads, back):
         order = slice(None, None, -1) if many is back else slice(None)
         for name in ("poses", "force", "moment", "p0"):
-            assert np.array_equal(getattr(many, name)[order], getattr(one, name), equal_nan=True)
+            assert np.array_equal(getattr(many, name)[order], getattr(one_thread, name), equal_nan=True)
 
 
 def test_both_sides_give_mirrored_contacts_to_the_bit():
@@ -112,10 +112,10 @@ def test_both_sides_give_mirrored_contacts_to_the_bit():
 def test_a_wheel_off_its_rail_or_a_load_in_a_jump_or_beyond_reach_has_a_status():
     model = model_of("kik-piotrowski")
     poses = poses_of(model, (0.0, 0.3, 0.0))
-    found = model.solve_many(poses, [LOAD, LOAD, 1e9], threads=1)
-    assert found.status[0] == 0
-    assert found.status[1] & STATUS_NO_CONTACT
-    assert found.status[2] & STATUS_OUT_OF_REACH
+    contacts_at_load = model.solve_many(poses, [LOAD, LOAD, 1e9], threads=1)
+    assert contacts_at_load.status[0] == 0
+    assert contacts_at_load.status[1] & STATUS_NO_CONTACT
+    assert contacts_at_load.status[2] & STATUS_OUT_OF_REACH
     s = search_for([LOAD], 1e-4, RADIUS, 115e9)[0]
     begin_search(s)
     outcome = SEARCHING
@@ -142,7 +142,7 @@ def test_the_load_is_met_in_few_steps_wherever_the_wheel_touches_first(approach,
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
+    ("change", "message"),
     [
         ({"poses": np.zeros((2, 3))}, r"poses: must be of shape \(n, 12\)"),
         ({"poses": np.full((1, 12), np.nan)}, "row 0 has numbers that are not finite"),
@@ -151,8 +151,8 @@ def test_the_load_is_met_in_few_steps_wherever_the_wheel_touches_first(approach,
         ({"threads": 10_000}, "threads: must be a whole number from 1 to"),
     ],
 )
-def test_bad_input_has_one_clear_error(change, words):
+def test_bad_input_has_one_clear_error(change, message):
     model = model_of("kik-piotrowski")
-    given = {"poses": np.zeros((1, 12)), "load": LOAD, "threads": 1} | change
-    with pytest.raises(InputError, match=words):
-        model.solve_many(given.pop("poses"), **given)
+    arguments = {"poses": np.zeros((1, 12)), "load": LOAD, "threads": 1} | change
+    with pytest.raises(InputError, match=message):
+        model.solve_many(arguments.pop("poses"), **arguments)

@@ -25,9 +25,9 @@ def cut(missing):
 
 def guided(wheel, rail, outward):
     """Lateral force of the guard face on the wheel [N], and the status, at a place from the middle of the track [m]."""
-    own = contact_model(wheel, rail, **{"tangential": "none"}).evaluate((0.0, CENTRED + outward, RADIUS - 6e-5))
-    patches = own.patches[own.patches["o"] < GAUGE_U - 0.02]
-    return float((patches["N"] * patches["no"]).sum()), own.status
+    contact = contact_model(wheel, rail, **{"tangential": "none"}).evaluate((0.0, CENTRED + outward, RADIUS - 6e-5))
+    patches = contact.patches[contact.patches["o"] < GAUGE_U - 0.02]
+    return float((patches["N"] * patches["no"]).sum()), contact.status
 
 
 @pytest.mark.parametrize("flangeway, height", [(0.041, 0.0), (0.038, 0.02), (0.045, -0.005)])

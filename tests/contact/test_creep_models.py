@@ -119,11 +119,11 @@ def test_scaling_laws(model, aspect, xi, eta, phi, scale, load):
     np.testing.assert_allclose(scaled, expected, rtol=1e-6, atol=1e-7 * load * scale**2 * np.abs(plain).max())
 
 
-def assert_no_jump(forces, at, small):
+def assert_no_jump(forces, scales, small):
     """The steepest of the steps, taken in twenty: a jump would keep its height."""
-    steps = np.linalg.norm(np.diff(forces(at), axis=0), axis=1)
+    steps = np.linalg.norm(np.diff(forces(scales), axis=0), axis=1)
     steepest = int(steps.argmax())
-    within = np.linalg.norm(np.diff(forces(np.linspace(*at[steepest : steepest + 2], 21)), axis=0), axis=1)
+    within = np.linalg.norm(np.diff(forces(np.linspace(*scales[steepest : steepest + 2], 21)), axis=0), axis=1)
     assert within.max() < max(0.3 * steps.max(), small)
 
 
@@ -298,8 +298,8 @@ def traction(model, friction, creepage, numbers):
 @pytest.mark.parametrize("series, model, friction, numbers, most", RANGES)
 def test_traction_follows_contact(series, model, friction, numbers, most):
     creepage, force = curve(series)
-    found = [traction(model, friction, x, numbers) for x in creepage]
-    assert_allclose(found, force, atol=most)
+    tractions = [traction(model, friction, x, numbers) for x in creepage]
+    assert_allclose(tractions, force, atol=most)
 
 
 @pytest.mark.parametrize("model", REDUCIBLE)

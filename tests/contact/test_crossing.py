@@ -44,7 +44,7 @@ def blunt(start: float, corner: float) -> Profile:
 def shipped_crossing(place: float) -> RailSurface:
     """Sections of the crossing 1:9 of the package on both sides of a place, as far as a wheel there touches them."""
     sections = read_crossing(ROOT / "models/crossings/60E1_1in9.toml")
-    return RailSurface("60E1 1:9", tuple(one for one in sections if abs(one.distance - place) < NEAR))
+    return RailSurface("60E1 1:9", tuple(section for section in sections if abs(section.distance - place) < NEAR))
 
 
 SOURCED = [pytest.mark.campaign, pytest.mark.reference]
@@ -86,8 +86,8 @@ def test_rows_that_are_left_out_lie_too_deep_for_a_wheel() -> None:
         vars(piece)["tops"] = np.full_like(piece.tops, np.inf)
     whole = effective_sections(surface, 0.1, RADIUS)
     assert left_out > 100
-    for one, other in zip(felt, whole, strict=True):
-        assert all(map(np.array_equal, one, other))
+    for pruned, unpruned in zip(felt, whole, strict=True):
+        assert all(map(np.array_equal, pruned, unpruned))
     for piece in surface.pieces:
         del vars(piece)["tops"]
 
@@ -132,10 +132,10 @@ def test_the_load_passes_from_wing_to_nose_as_in_contact(crossing_tables) -> Non
     with (crossing_tables / "transfer_s239.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["y_ws_mm"] in ("0.81", "0.89", "0.97", "1.05", "1.15")]
     for lateral in dict.fromkeys(row["y_ws_mm"] for row in rows):
-        own = [row for row in rows if row["y_ws_mm"] == lateral]
+        rows_of_lateral = [row for row in rows if row["y_ws_mm"] == lateral]
         contact, sunk = at_rest(over_the_crossing(crossing_tables, 0.16), 1e-3 * float(lateral), 1e4, 0.239)
-        assert 1e3 * sunk == pytest.approx(float(own[0]["z_ws_mm"]), abs=0.0005)
-        for row in own:
+        assert 1e3 * sunk == pytest.approx(float(rows_of_lateral[0]["z_ws_mm"]), abs=0.0005)
+        for row in rows_of_lateral:
             y = 1e-3 * float(row["y_tr_mm"]) - 0.75
             patch = min(contact.patches, key=lambda p: abs(p["o"] - y))
             place = 1e-3 * np.array([float(row["x_tr_mm"]), 0.0, -float(row["z_tr_mm"])])
@@ -163,7 +163,7 @@ def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact(crossi
 def test_a_wheel_above_a_changing_rail_is_not_in_it() -> None:
     # points of the wheel beside the field of distances have no foot on the rail, however near the field's edge
     sections = read_crossing(ROOT / "models/crossings/60E1_1in9.toml")
-    surface = RailSurface("60E1 1:9", tuple(one for one in sections if abs(one.distance + 0.2) < 0.3))
+    surface = RailSurface("60E1 1:9", tuple(section for section in sections if abs(section.distance + 0.2) < 0.3))
     model = on(surface, "kik-piotrowski", wheel_profile("worn"))
     axle = (-5.6e-3, 1.0, 0.6e-3)
     for lateral in np.linspace(-8e-3, 8e-3, 161):
@@ -180,10 +180,10 @@ def test_wing_and_nose_share_the_load_as_by_the_exact_solver(place) -> None:
     exact = on(surface, "half-space", wheel).evaluate((0.0, 0.0, RADIUS - sunk), place=place)
     wing, nose = np.sort(contact.patches, order="o")
     assert wing["N"] > 3e3 and nose["N"] > 2e3
-    for patch, other in zip((wing, nose), np.sort(exact.patches, order="o"), strict=True):
-        assert patch["o"] == pytest.approx(other["o"], abs=2e-5)
-        assert patch["N"] == pytest.approx(other["N"], rel=0.01)
-        assert patch["p0"] == pytest.approx(other["p0"], rel=0.012)
+    for patch, exact_patch in zip((wing, nose), np.sort(exact.patches, order="o"), strict=True):
+        assert patch["o"] == pytest.approx(exact_patch["o"], abs=2e-5)
+        assert patch["N"] == pytest.approx(exact_patch["N"], rel=0.01)
+        assert patch["p0"] == pytest.approx(exact_patch["p0"], rel=0.012)
 
 
 def through(exact: Profile, ends: list[float], apart: float, narrow: float = 1.0) -> Profile:
@@ -276,17 +276,17 @@ def errors(approach):
         span = np.degrees(lobe["angle_max"] - lobe["angle_min"]) * lobe["n_strips"] / (lobe["n_strips"] - 1.0)
         span /= r["ang_at_smax_deg"] - r["ang_at_smin_deg"]
         force, angle = np.hypot(*stand.force[1:]) / r["Fres_N"], np.arctan2(-stand.force[1], stand.force[2])
-        own = 1e-3 * r["R_wheel_mm"], span - 1.0, lobe["p0"] / (1e6 * r["pmax_MPa"]) - 1.0, force - 1.0
-        rows.append((*own, angle - np.radians(r["force_angle_deg"])))
+        numbers = 1e-3 * r["R_wheel_mm"], span - 1.0, lobe["p0"] / (1e6 * r["pmax_MPa"]) - 1.0, force - 1.0
+        rows.append((*numbers, angle - np.radians(r["force_angle_deg"])))
     return np.array(rows)
 
 
 def test_resultants_of_conformal_patches_and_projected_approaches():
     # the direction of the sum of the strips' forces; the vertical load is prescribed
-    found = errors("projected")
-    assert len(found) > 30
-    assert np.abs(found[:, 3]).max() < 0.02
-    assert np.abs(found[:, 4]).max() < 0.02
+    projected_errors = errors("projected")
+    assert len(projected_errors) > 30
+    assert np.abs(projected_errors[:, 3]).max() < 0.02
+    assert np.abs(projected_errors[:, 4]).max() < 0.02
     # a rigid approach closes only its share along each normal: in every groove the narrower patch is the better one
     projected, constant = errors("projected"), errors("constant")
     assert (np.abs(projected[:, 1]) < np.abs(constant[:, 1])).all()
@@ -335,16 +335,16 @@ def test_a_rising_rail_is_touched_ahead_and_pushes_back(ramp, normal: str) -> No
     # the plane through the contact is inclined: the wheel's centre is R / cos above it
     angle, depth = atan(RISE), 5e-5
     level = contact_model(WHEEL, CROWN, normal=normal, **PLAIN).evaluate((0.0, 0.0, RADIUS - depth))
-    own = on(ramp, normal, WHEEL).evaluate((0.0, 0.0, (RADIUS - depth) / cos(angle)))
-    patch = own.patches[0]
+    contact = on(ramp, normal, WHEEL).evaluate((0.0, 0.0, (RADIUS - depth) / cos(angle)))
+    patch = contact.patches[0]
     assert patch["x"] == pytest.approx(RADIUS * sin(angle), abs=2e-5)
     share = 1e-2 if normal == "kik-piotrowski" else 2e-3  # its approach is measured in the section
     assert patch["N"] == pytest.approx(level.normal_force, rel=share)
     assert patch["p0"] == pytest.approx(level.patches[0]["p0"], rel=share)
-    assert own.force[0] == pytest.approx(-patch["N"] * sin(angle), rel=1e-4)
-    assert own.force[2] == pytest.approx(patch["N"] * cos(angle), rel=1e-4)
+    assert contact.force[0] == pytest.approx(-patch["N"] * sin(angle), rel=1e-4)
+    assert contact.force[2] == pytest.approx(patch["N"] * cos(angle), rel=1e-4)
     # no moment about the axle: the force passes through it
-    assert abs(own.moment[1]) < 1e-4 * patch["N"] * RADIUS
+    assert abs(contact.moment[1]) < 1e-4 * patch["N"] * RADIUS
 
 
 @pytest.mark.parametrize(("normal", "share"), [("strips", 2e-3), ("kik-piotrowski", 2e-3)])
@@ -352,11 +352,11 @@ def test_a_rising_rail_is_touched_ahead_and_pushes_back(ramp, normal: str) -> No
 def test_on_a_hump_a_wheel_is_pressed_as_a_smaller_one_and_in_a_hollow_as_a_larger_one(normal, share, bend) -> None:
     """Curvatures of wheel and rail along the track add up, and half of the square of their place is the gap."""
     places, depth = 0.3 * EVEN, 5e-5
-    own = on(lifted(CROWN, places, -(places**2) / (2.0 * bend)), normal, WHEEL).evaluate((0.0, 0.0, RADIUS - depth))
+    contact = on(lifted(CROWN, places, -(places**2) / (2.0 * bend)), normal, WHEEL).evaluate((0.0, 0.0, RADIUS - depth))
     like = 1.0 / (1.0 / RADIUS + 1.0 / bend)
     plain = contact_model(WHEEL, CROWN, radius=like, normal=normal, **PLAIN).evaluate((0.0, 0.0, like - depth))
-    assert own.patches["N"] == pytest.approx(plain.patches["N"], rel=share)
-    assert own.patches["p0"] == pytest.approx(plain.patches["p0"], rel=share)
+    assert contact.patches["N"] == pytest.approx(plain.patches["N"], rel=share)
+    assert contact.patches["p0"] == pytest.approx(plain.patches["p0"], rel=share)
 
 
 @cache
@@ -380,15 +380,17 @@ def test_a_rail_laid_askew_is_a_straight_one_under_a_wheel_that_is_yawed_less(no
     turn = np.array([[cos(angle), -sin(angle), 0.0], [sin(angle), cos(angle), 0.0], [0.0, 0.0, 1.0]])
     axle = np.array([-sin(yaw), cos(yaw), 0.0])
     pose = touching(plain, lateral, axle) - [0.0, 0.0, 3e-4], axle, np.array([2.0, 0.0, 0.0]), 2.0 / RADIUS * axle
-    one, other = plain.evaluate(*pose), askew.evaluate(*(turn @ vector for vector in pose))
-    assert other.force @ turn == pytest.approx(one.force, abs=2e-4 * np.linalg.norm(one.force))
-    assert other.moment @ turn == pytest.approx(one.moment, abs=2e-4 * np.linalg.norm(one.force))
+    on_straight, on_askew = plain.evaluate(*pose), askew.evaluate(*(turn @ vector for vector in pose))
+    assert on_askew.force @ turn == pytest.approx(on_straight.force, abs=2e-4 * np.linalg.norm(on_straight.force))
+    assert on_askew.moment @ turn == pytest.approx(on_straight.moment, abs=2e-4 * np.linalg.norm(on_straight.force))
     for name in ("N", "p0", "area", "width"):
-        assert other.patches[name] == pytest.approx(one.patches[name], rel=5e-4), name
+        assert on_askew.patches[name] == pytest.approx(on_straight.patches[name], rel=5e-4), name
     for name in ("Fx", "Fy"):
-        assert other.patches[name] == pytest.approx(one.patches[name], abs=2e-4 * one.normal_force), name
-    place, own = ([contact.patches["x"], contact.patches["o"]] for contact in (other, one))
-    np.testing.assert_allclose(place, turn[:2, :2] @ own, atol=2e-6)
+        assert on_askew.patches[name] == pytest.approx(
+            on_straight.patches[name], abs=2e-4 * on_straight.normal_force
+        ), name
+    place, place_on_straight = ([contact.patches["x"], contact.patches["o"]] for contact in (on_askew, on_straight))
+    np.testing.assert_allclose(place, turn[:2, :2] @ place_on_straight, atol=2e-6)
 
 
 @pytest.mark.parametrize("coming", [6e-3, -6e-3])
@@ -398,8 +400,8 @@ def test_the_back_of_a_flange_meets_a_flare_as_a_straight_check_rail_under_anoth
     rail, wheel, turn = rail_profile("60E1", 40), wheel_profile("S1002"), np.arctan(coming)
 
     def laid(s: float) -> RailSection:
-        own = with_check_rail(rail, 0.041 + coming * s, 0.0)
-        return RailSection(s, own, (floor_of(own), own.head))
+        profile = with_check_rail(rail, 0.041 + coming * s, 0.0)
+        return RailSection(s, profile, (floor_of(profile), profile.head))
 
     flare = on(RailSurface("flare", tuple(laid(s) for s in np.linspace(-0.5, 0.5, 11).tolist())), "strips", wheel)
     plain = contact_model(wheel, with_check_rail(rail, 0.041, 0.0), normal="strips", **PLAIN)
@@ -421,21 +423,21 @@ def test_a_yawed_wheel_on_a_rising_rail_is_one_on_an_inclined_plane(rise, yaw, l
     rail, angle = rail_profile("60E1", 40), atan(rise)
     to_ramp = np.array([[cos(angle), 0.0, sin(angle)], [0.0, 1.0, 0.0], [-sin(angle), 0.0, cos(angle)]])
     plain = contact_model(wheel_profile("S1002"), rail, normal="strips", strips=20, **PLAIN)
-    own = on(lifted(rail, EVEN, rise * EVEN), "strips", wheel_profile("S1002"), strips=20)
+    ramp = on(lifted(rail, EVEN, rise * EVEN), "strips", wheel_profile("S1002"), strips=20)
     axle = np.array([-sin(yaw), cos(yaw), 0.0])
 
-    def found(z: float) -> Contact:
+    def on_plane(z: float) -> Contact:
         return plain.evaluate(to_ramp @ (0.0, lateral, z), to_ramp @ axle)
 
     z = RADIUS + 0.04
-    while (away := found(z).closest) > 1e-5:
+    while (away := on_plane(z).closest) > 1e-5:
         z -= away
-    while found(z).force[2] < 5e4:
+    while on_plane(z).force[2] < 5e4:
         z -= 2e-5
-    force, other = to_ramp.T @ found(z).force, own.evaluate((0.0, lateral, z), axle)
+    force, on_ramp = to_ramp.T @ on_plane(z).force, ramp.evaluate((0.0, lateral, z), axle)
     # what is left grows with the square of the rise: the section is felt with the radius of the tape circle
-    np.testing.assert_allclose(other.force, force, atol=share * np.linalg.norm(force))
-    assert other.patches["p0"].max() == pytest.approx(found(z).patches["p0"].max(), rel=share)
+    np.testing.assert_allclose(on_ramp.force, force, atol=share * np.linalg.norm(force))
+    assert on_ramp.patches["p0"].max() == pytest.approx(on_plane(z).patches["p0"].max(), rel=share)
 
 
 def test_a_step_is_felt_before_and_behind_it_and_equal_sections_are_the_plain_rail() -> None:
@@ -459,7 +461,9 @@ def test_what_is_joined_between_sections_has_its_own_tangents_and_curvature() ->
     places = np.array([-0.4, -0.2, -0.12, -0.05, 0.0, 0.03, 0.1, 0.2, 0.4])
     rail = rail_profile("60E1", 40)
     moved = (rail.rotated(0.05 * float(np.sin(9.0 * s))).shifted(2e-3 * s, 1e-3 * s * s) for s in places)
-    surface = RailSurface("moved", tuple(RailSection(float(s), own) for s, own in zip(places, moved, strict=True)))
+    surface = RailSurface(
+        "moved", tuple(RailSection(float(s), profile) for s, profile in zip(places, moved, strict=True))
+    )
     for piece in surface.pieces:
         for s in (-0.15, -0.02, 0.014, 0.06):
             rows = piece.spline(s)
@@ -524,25 +528,25 @@ def test_a_rail_that_turns_and_bends_pushes_back_by_its_moment(normal, turning, 
     twist, outward, up = turning
     axle = (-sin(yaw), cos(yaw), 0.0)
     model, origin = on_60e1(normal, lateral, axle)
-    level, own = model.evaluate(origin, axle), model.evaluate(origin, axle, turning=turning)
-    about_the_rail = own.moment + np.cross(origin, own.force)
+    level, turned = model.evaluate(origin, axle), model.evaluate(origin, axle, turning=turning)
+    about_the_rail = turned.moment + np.cross(origin, turned.force)
     expected = -twist * about_the_rail[0] - outward * about_the_rail[2] + up * about_the_rail[1]
-    assert own.force[0] == pytest.approx(expected, rel=1e-2, abs=1e-6 * own.normal_force)
-    assert (abs(own.force[0]) > 5e-6 * own.normal_force) == (twist != 0.0 or yaw != 0.0)
+    assert turned.force[0] == pytest.approx(expected, rel=1e-2, abs=1e-6 * turned.normal_force)
+    assert (abs(turned.force[0]) > 5e-6 * turned.normal_force) == (twist != 0.0 or yaw != 0.0)
     assert level.force[0] == pytest.approx(0.0, abs=1e-9 * level.normal_force)
     # it is touched where its normal meets the axle, and turns no wheel
-    assert abs((own.moment - level.moment) @ axle) <= 0.02 * abs(own.force[0]) * RADIUS
-    assert own.normal_force == pytest.approx(level.normal_force, rel=1e-2)
+    assert abs((turned.moment - level.moment) @ axle) <= 0.02 * abs(turned.force[0]) * RADIUS
+    assert turned.normal_force == pytest.approx(level.normal_force, rel=1e-2)
 
 
 def test_a_rail_that_turns_is_one_of_turned_sections_unless_too_steep() -> None:
     twist = 5e-3
     model, origin = on_60e1("strips", 0.0, (0.0, 1.0, 0.0))
     turned = turning(rail_profile("60E1", 40), EVEN, twist)
-    one = model.evaluate(origin, turning=(twist, 0.0, 0.0))
-    other = on(turned, "strips", wheel_profile("S1002"), strips=20).evaluate(origin, place=0.0)
-    assert other.force == pytest.approx(one.force, rel=2e-3)
-    assert other.patches["x"] == pytest.approx(one.patches["x"], rel=0.05)
+    on_turning = model.evaluate(origin, turning=(twist, 0.0, 0.0))
+    on_sections = on(turned, "strips", wheel_profile("S1002"), strips=20).evaluate(origin, place=0.0)
+    assert on_sections.force == pytest.approx(on_turning.force, rel=2e-3)
+    assert on_sections.patches["x"] == pytest.approx(on_turning.patches["x"], rel=0.05)
     with pytest.raises(InputError, match=r"near .* m it is so steep along the track"):
         rolled_rail(lifted(CROWN, EVEN, 0.6 * EVEN), RADIUS)
 
@@ -552,7 +556,7 @@ def wearing() -> ContactModel:
     """S1002 on a rail that goes from new to worn, and back, and on."""
     new, worn = (rail_profile(name, 40) for name in ("60E1", "60E1_worn"))
     places = zip((10.0, 40.0, 70.0, 90.0), (new, worn, new, worn), strict=True)
-    surface = RailSurface("wears", tuple(RailSection(*at) for at in places))
+    surface = RailSurface("wears", tuple(RailSection(*section) for section in places))
     return on(surface, "strips", wheel_profile("S1002"))
 
 
@@ -568,7 +572,9 @@ def test_no_piece_of_a_rail_between_new_and_worn_is_pressed_twice(wearing: Conta
         contact = wearing.evaluate(origin, axle, place=place)
         patches = [patch for patch in contact.patches if patch["N"] > 0.0]
         pressed = sorted(tuple(patch["arc_rail"] + [patch["start"], patch["end"]]) for patch in patches)
-        assert patches and all(one[1] < other[0] + 1e-9 for one, other in pairwise(pressed))
+        assert patches and all(
+            patch_before[1] < patch_behind[0] + 1e-9 for patch_before, patch_behind in pairwise(pressed)
+        )
 
 
 @pytest.mark.parametrize("anchor", [0, 60])

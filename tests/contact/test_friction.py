@@ -128,10 +128,10 @@ def rolling(model: ContactModel, place: float) -> Any:
 def test_a_wheel_feels_the_law_of_its_place(normal: str, tangential: str) -> None:
     choices = {"normal": normal, "tangential": tangential, "strips": 12, "cells": 6}
     for place in (0.0, 11.3, 15.0, 20.6, 30.0):
-        there = rolling(pair_model(PAIR, friction=ALONG, **choices), place)
+        along = rolling(pair_model(PAIR, friction=ALONG, **choices), place)
         plain = rolling(pair_model(PAIR, friction=ALONG.at(place), **choices), 0.0)
-        assert numbers(there) == pytest.approx(numbers(plain), rel=1e-12, abs=1e-12)
-        np.testing.assert_allclose(strips_of(there)["mu"], strips_of(plain)["mu"], rtol=1e-13)
+        assert numbers(along) == pytest.approx(numbers(plain), rel=1e-12, abs=1e-12)
+        np.testing.assert_allclose(strips_of(along)["mu"], strips_of(plain)["mu"], rtol=1e-13)
 
 
 def test_the_same_law_at_all_places_is_a_plain_law_and_others_change_smoothly() -> None:

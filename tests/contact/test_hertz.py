@@ -130,7 +130,7 @@ def figures(contact):
 
 @pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
 def test_force_and_pressure_converge_at_second_order(ratio):
-    def at(strips):
+    def patch_figures(strips):
         model = contacts.contact_model(
             contacts.round_wheel(0.46 * ratio), contacts.flat_rail(), strips=strips, **contacts.PLAIN
         )
@@ -138,7 +138,7 @@ def test_force_and_pressure_converge_at_second_order(ratio):
 
     # twice the strips, a quarter of the error; p0 a little less: the middle strips of an even number stand half a
     # strip beside the main point
-    errors = np.abs([at(n) / at(1600) - 1.0 for n in (20, 40, 80)])
+    errors = np.abs([patch_figures(n) / patch_figures(1600) - 1.0 for n in (20, 40, 80)])
     rate = np.log2(errors[:-1] / errors[1:])
     assert (rate[:, 0] > 1.9).all() and (rate[:, 1] > 1.8).all(), rate
     # the area only at the power 1.5: its strips count whole at the round ends of the patch

@@ -172,8 +172,8 @@ def test_the_normal_force_grows_with_the_approach(normal):
 ALIKE = {"half-space": 2e-3}
 
 
-def assert_alike(found, expected, normal, size):
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=ALIKE.get(normal, 1e-3) * size)
+def assert_alike(actual, expected, normal, size):
+    np.testing.assert_allclose(actual, expected, rtol=0.0, atol=ALIKE.get(normal, 1e-3) * size)
 
 
 @every_normal
@@ -183,11 +183,11 @@ def test_mirrored_profiles_give_mirrored_forces(normal):
     @given(state=states)
     def law(state):
         wheel, rail, (origin, axle, velocity, omega) = pressed(state)
-        one = build(wheel, rail, normal).evaluate(origin, axle, velocity, omega)
+        contact = build(wheel, rail, normal).evaluate(origin, axle, velocity, omega)
         vector, pseudo = np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0])
         mirrored = build(mirror_of(wheel), mirror_of(rail), normal)
-        other = mirrored.evaluate(origin * vector, axle * pseudo, velocity * vector, omega * pseudo)
-        assert_alike(other.force, one.force * vector, normal, one.normal_force)
+        mirror_image = mirrored.evaluate(origin * vector, axle * pseudo, velocity * vector, omega * pseudo)
+        assert_alike(mirror_image.force, contact.force * vector, normal, contact.normal_force)
 
     law()
 
@@ -215,10 +215,10 @@ def test_a_turned_section_gives_turned_forces(normal, angle):
     @given(state=states)
     def law(state):
         wheel, rail, pose = pressed(state)
-        one = build(wheel, rail, normal).evaluate(*pose)
-        other = build(wheel, turned(rail, angle), normal).evaluate(*(turn @ part for part in pose))
-        assert_alike(other.force, turn @ one.force, normal, one.normal_force)
-        assert_alike(other.moment, turn @ one.moment, normal, RADIUS * one.normal_force)
+        contact = build(wheel, rail, normal).evaluate(*pose)
+        turned_contact = build(wheel, turned(rail, angle), normal).evaluate(*(turn @ part for part in pose))
+        assert_alike(turned_contact.force, turn @ contact.force, normal, contact.normal_force)
+        assert_alike(turned_contact.moment, turn @ contact.moment, normal, RADIUS * contact.normal_force)
 
     law()
 
@@ -247,12 +247,14 @@ def test_lengths_times_k_give_forces_times_k_squared(normal, scale):
         wheel, rail, (origin, axle, velocity, omega) = pressed(state | {"depth": max(state["depth"], 5e-5)})
         small, large = HalfSpaceSettings((3e-4, 3e-4)), HalfSpaceSettings((3e-4 * scale,) * 2)
         large = replace(large, together=scale * large.together, apart=scale * large.apart)
-        one = build(wheel, rail, normal, half_space=small).evaluate(origin, axle, velocity, omega)
+        contact = build(wheel, rail, normal, half_space=small).evaluate(origin, axle, velocity, omega)
         model = build(enlarged(wheel, scale), enlarged(rail, scale), normal, radius=scale * RADIUS, half_space=large)
-        other = model.evaluate(scale * origin, axle, velocity, omega / scale)
-        size = one.normal_force
-        np.testing.assert_allclose(other.force / scale**2, one.force, rtol=0.0, atol=5e-3 * size)
-        np.testing.assert_allclose(other.moment / scale**3, one.moment, rtol=0.0, atol=5e-3 * RADIUS * size)
+        enlarged_contact = model.evaluate(scale * origin, axle, velocity, omega / scale)
+        size = contact.normal_force
+        np.testing.assert_allclose(enlarged_contact.force / scale**2, contact.force, rtol=0.0, atol=5e-3 * size)
+        np.testing.assert_allclose(
+            enlarged_contact.moment / scale**3, contact.moment, rtol=0.0, atol=5e-3 * RADIUS * size
+        )
 
     law()
 
@@ -268,12 +270,12 @@ def test_stiffer_steel_bears_in_proportion(normal):
         steel = model.settings.wheel
         hard = replace(steel, youngs_modulus=factor * steel.youngs_modulus)
         settings = replace(model.settings, wheel=hard, rail=hard)
-        one = model.evaluate(*pose)
-        other = models.contact_model(wheel, rail, RADIUS, settings, 0.0).evaluate(*pose)
-        np.testing.assert_allclose(other.force, factor * one.force, rtol=1e-6, atol=1e-6 * factor * one.normal_force)
+        soft = model.evaluate(*pose)
+        stiff = models.contact_model(wheel, rail, RADIUS, settings, 0.0).evaluate(*pose)
+        np.testing.assert_allclose(stiff.force, factor * soft.force, rtol=1e-6, atol=1e-6 * factor * soft.normal_force)
         for column, power in (("N", 1.0), ("p0", 1.0), ("area", 0.0), ("width", 0.0), ("approach", 0.0)):
-            expected = factor**power * one.patches[column]
-            np.testing.assert_allclose(other.patches[column], expected, rtol=1e-6)
+            expected = factor**power * soft.patches[column]
+            np.testing.assert_allclose(stiff.patches[column], expected, rtol=1e-6)
 
     law()
 

@@ -39,14 +39,14 @@ def test_a_place_before_or_behind_a_dip_is_told_with_its_force(name):
         axle = -np.sin(yaw), np.cos(yaw), 0.0
         start = [[0.0, rng.uniform(-3e-3, 0.0), 0.465, *axle, *np.zeros(6)]]
         pose = strips.solve_many(start, rng.uniform(3e4, 1.2e5), threads=1, place=place).poses[0, :3]
-        contact, other = strips.evaluate(pose, axle, place=place), kik.evaluate(pose, axle, place=place)
+        contact, kik_contact = strips.evaluate(pose, axle, place=place), kik.evaluate(pose, axle, place=place)
         whole = exact.evaluate(pose, axle, place=place)
         missing = 1.0 - contact.normal_force / whole.normal_force
         assert whole.status == 0
         if not 0.01 < missing < 0.08:
             assert bool(contact.status & STATUS_LEFT_OUT) == (missing > 0.05)
         if missing > 0.15:
-            assert other.status & STATUS_LEFT_OUT
+            assert kik_contact.status & STATUS_LEFT_OUT
         forces = np.sort(whole.patches["N"])[::-1]
         if forces.size > 1 and forces[1] > 0.05 * forces[0]:
             a = strips.arrays.rows
@@ -75,8 +75,8 @@ def test_a_long_wave_bends_as_its_top_everywhere(normal, place):
     bend = 2e-3 * (2.0 * np.pi / 0.6) ** 2
     (waved,) = models(lambda s: wave(0.6, 2e-3)(s + place), normal)
     settings = ContactSettings(normal=normal, tangential="none", damping=0.0)
-    other = 1.0 / (1.0 / R + (bend if place == 0.0 else -bend))
-    plain = contact_model(WHEEL, RAIL, other, settings, 0.3)
+    like_radius = 1.0 / (1.0 / R + (bend if place == 0.0 else -bend))
+    plain = contact_model(WHEEL, RAIL, like_radius, settings, 0.3)
     contact, same = pressed(waved, 8e4)[1], pressed(plain, 8e4)[1]
     assert_allclose(same.patches["approach"], contact.patches["approach"], rtol=1e-3)
     assert_allclose(same.patches["p0"], contact.patches["p0"], rtol=2e-3)

@@ -46,10 +46,12 @@ def row_type(name):
     plain = re.sub(r"/\*.*?\*/", "", body, flags=re.S)
     fields = []
     for kind, names in re.findall(r"(double|int32_t) ([^;]*);", plain):
-        for one in names.split(","):
-            shape = re.search(r"\[(\d)\]", one)
+        for declarator in names.split(","):
+            shape = re.search(r"\[(\d)\]", declarator)
             of = "f8" if kind == "double" else "i4"
-            fields.append((one.split("[")[0].strip(), of, (int(shape[1]),)) if shape else (one.strip(), of))
+            fields.append(
+                (declarator.split("[")[0].strip(), of, (int(shape[1]),)) if shape else (declarator.strip(), of)
+            )
     return np.dtype(fields, align=True)
 
 
@@ -161,10 +163,14 @@ def test_an_old_processor_has_the_same_bits_but_for_fused_products(built, tmp_pa
         old, new = (contacts_in_c(folder, model, rows) for folder in (tmp_path, built))
         if normal == "kik-piotrowski":
             assert old == new
-        for one, other in zip(results_of(old), results_of(new), strict=True):
+        for result_old, result_new in zip(results_of(old), results_of(new), strict=True):
             # splines of the strip model fuse products and sums (jit.spline); its equations are solved to 1e-9
-            assert np.allclose(one["force"], other["force"], rtol=0.0, atol=1e-9 * np.abs(other["force"]).max())
-            assert np.allclose(one["moment"], other["moment"], rtol=0.0, atol=1e-9 * np.abs(other["moment"]).max())
+            assert np.allclose(
+                result_old["force"], result_new["force"], rtol=0.0, atol=1e-9 * np.abs(result_new["force"]).max()
+            )
+            assert np.allclose(
+                result_old["moment"], result_new["moment"], rtol=0.0, atol=1e-9 * np.abs(result_new["moment"]).max()
+            )
 
 
 def test_two_threads_that_follow_a_moving_wheel_have_the_bits_of_python(built):
@@ -207,7 +213,7 @@ class Opened:
         assert self.library.wrsim_contact_forces(self.handle, ctypes.c_void_p(room.ctypes.data)) == 0
         return room
 
-    def words(self, status, size=1000):
+    def status_text(self, status, size=1000):
         text = ctypes.create_string_buffer(b"x" * size)
         length = self.library.wrsim_contact_words(status, text, ctypes.c_size_t(size))
         return text.value.decode(), length
@@ -326,9 +332,9 @@ def test_every_status_has_the_text_of_python(built, saved):
     opened = Opened(built, saved[0])
     bits = sum(WORDS)
     for status in (0, *WORDS, bits):
-        assert opened.words(status) == (status_words(status), len(status_words(status)))
-    assert opened.words(bits, 20) == (status_words(bits)[:19], len(status_words(bits)))
-    assert all(opened.words(error)[0] for error in map(int, re.findall(r"WRSIM_\w+ = (-\d)", public_header())))
+        assert opened.status_text(status) == (status_words(status), len(status_words(status)))
+    assert opened.status_text(bits, 20) == (status_words(bits)[:19], len(status_words(bits)))
+    assert all(opened.status_text(error)[0] for error in map(int, re.findall(r"WRSIM_\w+ = (-\d)", public_header())))
     opened.close()
 
 
@@ -450,16 +456,16 @@ def test_wrong_and_damaged_files_have_a_status_and_a_text(built, saved):
         opened = Opened(built, path)
         assert (opened.status, opened.handle.value) == (status, None), opened.message
         assert opened.message.startswith(f"{path}: ") and len(opened.message) > len(str(path)) + 20
-    words = int.from_bytes(content[48:56], "little")
+    text_size = int.from_bytes(content[48:56], "little")
     for _ in range(60):  # offsets and sizes of arrays, with the right checksum
         forged = bytearray(content[:-8])
-        at = 56 + words + 8 * int(random.integers(4 * len(Arrays._fields)))
-        number = int.from_bytes(forged[at : at + 8], "little", signed=True)
+        position = 56 + text_size + 8 * int(random.integers(4 * len(Arrays._fields)))
+        number = int.from_bytes(forged[position : position + 8], "little", signed=True)
         number = int(random.choice([-1, number + 1, number + 8, 1 << 20, 1 << 40, (1 << 62) + 1, -(1 << 62)]))
-        forged[at : at + 8] = number.to_bytes(8, "little", signed=True)
+        forged[position : position + 8] = number.to_bytes(8, "little", signed=True)
         path.write_bytes(forged + zlib.crc32(forged).to_bytes(8, "little"))
         opened = Opened(built, path)
-        assert opened.status in (0, -4), (at, number)
+        assert opened.status in (0, -4), (position, number)
         if opened.status == 0:  # an empty array somewhere else
             assert opened.evaluate(pose) == 0 and opened.result()["force"].tobytes() == force.tobytes()
             opened.close()
@@ -489,8 +495,8 @@ def test_the_example_of_the_manual_runs(built, tmp_path):
     number, shown = r"-?\d+(?:\.\d+)?", re.search(r"^```text\n(.*?)^```", page, re.M | re.S)[1]
     assert re.sub(number, "", done.stdout) == re.sub(number, "", shown)
     # the page rounds to newtons and megapascals, of a contact that is solved to a tolerance
-    there, here = (np.array(re.findall(number, text), dtype=float) for text in (done.stdout, shown))
-    assert there == pytest.approx(here, abs=1.0)
+    computed, printed = (np.array(re.findall(number, text), dtype=float) for text in (done.stdout, shown))
+    assert computed == pytest.approx(printed, abs=1.0)
     failed = subprocess.run([built / "example"], cwd=built, capture_output=True, text=True)
     assert failed.returncode == 1 and "s1002_60e1.contact: the file cannot be read" in failed.stderr
 
@@ -547,11 +553,11 @@ def test_809_poses_have_the_numbers_of_this_machine_on_another(built, tmp_path, 
             model = pair_model(pair, normal=normal)
             rows = in_contact(model, around(poses_under_load(model), 3 * count, 809))[:count]
             content = contacts_in_c(tmp_path, model, rows, threads=0, program=program)
-            for result, other in zip(results_of(content), results_of(contacts_in_c(built, model, rows)), strict=True):
-                assert (result["patches"], result["status"]) == (other["patches"], other["status"])
+            for result, native in zip(results_of(content), results_of(contacts_in_c(built, model, rows)), strict=True):
+                assert (result["patches"], result["status"]) == (native["patches"], native["status"])
                 for part in ("force", "moment"):
-                    size = np.abs(other[part]).max()
-                    errors.append(np.abs(result[part] - other[part]).max() / size if size else 0.0)
+                    size = np.abs(native[part]).max()
+                    errors.append(np.abs(result[part] - native[part]).max() / size if size else 0.0)
         equal = sum(error == 0.0 for error in errors)
         print(f"{target} {normal}: {equal} of {len(errors)} vectors to the bit, largest error {max(errors):.2g}")
         assert len(errors) == 2 * 809 and max(errors) <= tolerance

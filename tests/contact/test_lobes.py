@@ -50,16 +50,16 @@ def test_coupling_of_two_lobes(first, second, share):
 
 
 def test_the_deepest_lobes_are_kept_in_order_with_their_saddles_gaps_part_them():
-    for found in (coupled([2e-5, 1e-5], [-1.0]), coupled([1e-5], [])):
-        assert (found[0] == 0.0).all() and (found[1] == -1).all()
-    found = found_rows([4e-5, 1e-5, 3e-5, 2e-5], [0.8e-5, 0.5e-5, 1.5e-5])
-    assert select_deepest(found, 4, 3) == 3
-    assert list(found["depth"][:3]) == [4e-5, 3e-5, 2e-5]
-    assert list(found["saddle"][:2]) == [0.5e-5, 1.5e-5]  # the deepest valley on the way
-    assert found[0].saddle_arc == 1.0
-    found = found_rows([4e-5, 1e-5, 3e-5], [-1.0, 0.5e-5])
-    select_deepest(found, 3, 2)
-    assert found[0].saddle < 0.0  # still apart
+    for rows in (coupled([2e-5, 1e-5], [-1.0]), coupled([1e-5], [])):
+        assert (rows[0] == 0.0).all() and (rows[1] == -1).all()
+    rows = found_rows([4e-5, 1e-5, 3e-5, 2e-5], [0.8e-5, 0.5e-5, 1.5e-5])
+    assert select_deepest(rows, 4, 3) == 3
+    assert list(rows["depth"][:3]) == [4e-5, 3e-5, 2e-5]
+    assert list(rows["saddle"][:2]) == [0.5e-5, 1.5e-5]  # the deepest valley on the way
+    assert rows[0].saddle_arc == 1.0
+    rows = found_rows([4e-5, 1e-5, 3e-5], [-1.0, 0.5e-5])
+    select_deepest(rows, 3, 2)
+    assert rows[0].saddle < 0.0  # still apart
 
 
 def test_amplitudes_are_those_of_the_linear_system_or_zero():

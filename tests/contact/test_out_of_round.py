@@ -58,36 +58,38 @@ def test_a_wheel_without_depth_is_round_to_the_bit():
 def test_an_even_depth_is_a_smaller_round_wheel(normal, lateral, yaw):
     depth = 1e-4
     worn, turned = model(uniform(-depth), normal=normal), model(normal=normal, radius=R - depth)
-    one, other = (touched(m, lateral=lateral, yaw=yaw, wheel_angle=1.0, height=R - 1.6e-4) for m in (worn, turned))
-    assert other.patches.size > 0 and one.patches.size == other.patches.size
+    out_of_round, round_wheel = (
+        touched(m, lateral=lateral, yaw=yaw, wheel_angle=1.0, height=R - 1.6e-4) for m in (worn, turned)
+    )
+    assert round_wheel.patches.size > 0 and out_of_round.patches.size == round_wheel.patches.size
     for name in ("arc_wheel", "arc_rail", "o", "b"):
-        assert_allclose(one.patches[name], other.patches[name], atol=1e-8)
+        assert_allclose(out_of_round.patches[name], round_wheel.patches[name], atol=1e-8)
     # the mean over the length of contact knows that the gap of a yawed wheel is not even: a^2 sin(theta) / R
-    assert_allclose(one.patches["x"], other.patches["x"], atol=2e-6)
-    assert_allclose(one.patches["approach"], other.patches["approach"], atol=1e-11)
+    assert_allclose(out_of_round.patches["x"], round_wheel.patches["x"], atol=2e-6)
+    assert_allclose(out_of_round.patches["approach"], round_wheel.patches["approach"], atol=1e-11)
     # a circle's gap is (a/R)^2/4 more than the parabola's at the end of the contact: 1e-4 of the curvature
-    assert_allclose(one.patches["N"], other.patches["N"], rtol=3e-4)
-    assert_allclose(one.patches["p0"], other.patches["p0"], rtol=3e-4)
+    assert_allclose(out_of_round.patches["N"], round_wheel.patches["N"], rtol=3e-4)
+    assert_allclose(out_of_round.patches["p0"], round_wheel.patches["p0"], rtol=3e-4)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.7, 2.5])
 def test_an_eccentric_wheel_is_a_round_one_with_a_displaced_centre(angle):
     a = 1e-4
     height = R - 1e-4 + a * np.cos(angle)
-    one = touched(model(Harmonic(1, a)), wheel_angle=angle, yaw=0.003, height=height)
-    other = touched(model(), along=-a * np.sin(angle), height=height - a * np.cos(angle), yaw=0.003)
-    assert one.patches["N"].sum() > 0.0
+    eccentric = touched(model(Harmonic(1, a)), wheel_angle=angle, yaw=0.003, height=height)
+    displaced = touched(model(), along=-a * np.sin(angle), height=height - a * np.cos(angle), yaw=0.003)
+    assert eccentric.patches["N"].sum() > 0.0
     second_order = a * a / (2.0 * R)
-    assert_allclose(one.patches["approach"], other.patches["approach"], atol=1.1 * second_order)
-    most = 1.6 * second_order / other.patches["approach"].min()
-    assert_allclose(one.patches["N"], other.patches["N"], rtol=most + 1e-3)
-    assert_allclose(one.patches["x"], other.patches["x"], atol=4.0 * second_order)
+    assert_allclose(eccentric.patches["approach"], displaced.patches["approach"], atol=1.1 * second_order)
+    most = 1.6 * second_order / displaced.patches["approach"].min()
+    assert_allclose(eccentric.patches["N"], displaced.patches["N"], rtol=most + 1e-3)
+    assert_allclose(eccentric.patches["x"], displaced.patches["x"], atol=4.0 * second_order)
 
 
 def test_a_wave_turned_by_its_length_is_the_same():
     polygon = model(Harmonic(18, 5e-5, 0.4))
-    found = [touched(polygon, wheel_angle=0.02 + k * TURN / 18, yaw=0.002).patches["N"] for k in (0, 1, 7)]
-    assert_allclose(found[1:], [found[0]] * 2, rtol=1e-6)
+    forces = [touched(polygon, wheel_angle=0.02 + k * TURN / 18, yaw=0.002).patches["N"] for k in (0, 1, 7)]
+    assert_allclose(forces[1:], [forces[0]] * 2, rtol=1e-6)
 
 
 @pytest.mark.parametrize("order", [1, 3, 18])
@@ -97,32 +99,32 @@ def test_the_curvature_of_a_wave_is_that_of_its_second_derivative(order, crest):
     a, wheel = 1e-5, cone("cylinder", "wheel", 0.0, -0.03, 0.03)
     settings = ContactSettings(normal="kik-piotrowski", tangential="none")
     rail = circle("crown", "rail", 0.3, 0.04)
-    own = contact_model(wheel, rail, R, settings, out_of_round=[Harmonic(order, a)])
+    waved = contact_model(wheel, rail, R, settings, out_of_round=[Harmonic(order, a)])
     angle = 0.0 if crest > 0.0 else np.pi / order
-    own.evaluate((0.0, 0.0, R - 1e-5 + crest * a), wheel_angle=angle)
-    seen = place_bodies(own.arrays.rows)[0]
+    waved.evaluate((0.0, 0.0, R - 1e-5 + crest * a), wheel_angle=angle)
+    seen = place_bodies(waved.arrays.rows)[0]
     seen = seen._replace(shape=seen.shape._replace(averaged=0.0))
     if crest > 0.0 or order == 1:  # a trough of a polygon does not touch: its neighbours do
-        at = locus_point(seen, 0.03)
+        locus = locus_point(seen, 0.03)
         first = 1.0 / R + crest * a * (order**2 - 1.0) / R**2
-        assert_allclose(1.0 / at.r_t, first, rtol=3.0 * (a * order**2 / R) ** 2 + 1e-6)
-        assert_allclose(at.x, 0.0, atol=1e-9)
+        assert_allclose(1.0 / locus.r_t, first, rtol=3.0 * (a * order**2 / R) ** 2 + 1e-6)
+        assert_allclose(locus.x, 0.0, atol=1e-9)
     else:
-        at = locus_point(seen, 0.03)
+        locus = locus_point(seen, 0.03)
         t = np.linspace(-0.4, 0.4, 400_001)
         height = (R + a * np.cos(order * (t + angle))) * np.cos(t)
-        assert_allclose(-at.b + R - 1e-5 + crest * a, height.max(), atol=1e-10)
+        assert_allclose(-locus.b + R - 1e-5 + crest * a, height.max(), atol=1e-10)
 
 
 @pytest.mark.parametrize("normal", MODELS)
 def test_a_wheel_seen_in_a_mirror_touches_at_the_mirrored_place(normal):
     dented = model(Flat.rounded(R, 0.06, 0.5e-3, width=0.05), normal=normal)
     height = R - 2.2e-4
-    one = touched(dented, wheel_angle=0.04, yaw=0.004, height=height)
-    other = touched(dented, wheel_angle=-0.04, yaw=-0.004, height=height)
-    assert one.patches["N"].sum() > 1e4 and abs(place(one)) > 2e-3
-    assert_allclose(one.patches["N"], other.patches["N"], rtol=1e-6)
-    assert_allclose(place(one), -place(other), atol=1e-6)
+    contact = touched(dented, wheel_angle=0.04, yaw=0.004, height=height)
+    mirror_image = touched(dented, wheel_angle=-0.04, yaw=-0.004, height=height)
+    assert contact.patches["N"].sum() > 1e4 and abs(place(contact)) > 2e-3
+    assert_allclose(contact.patches["N"], mirror_image.patches["N"], rtol=1e-6)
+    assert_allclose(place(contact), -place(mirror_image), atol=1e-6)
 
 
 @pytest.mark.parametrize("length", [0.03, 0.06])
@@ -133,10 +135,10 @@ def test_a_fresh_flat_lowers_the_wheel_by_its_depth_and_rests_on_its_edges(lengt
     flat = Flat.fresh(R, length, None, edge)
     assert_allclose(flat.deepest, length**2 / (8.0 * R), rtol=(length / R) ** 2)
     assert Flat.fresh(R, None, flat.deepest, edge).length == pytest.approx(length, rel=1e-9)
-    own = model(flat)
+    flattened = model(flat)
     half = np.arcsin(0.5 * length / R)
     for beta in (0.0, 0.3 * half, 0.8 * half):
-        drop = lowest(own, beta) - lowest(own, np.pi)
+        drop = lowest(flattened, beta) - lowest(flattened, np.pi)
         wanted = -R * (1.0 - np.cos(half - beta))
         assert -length / (2.0 * R) * edge / 8.0 < drop - wanted < edge**2 / (12.0 * R)
 
@@ -235,28 +237,30 @@ def test_a_table_is_the_surface_that_it_was_made_of():
     angle, across = np.arange(0, 360, 0.5) * np.pi / 180, np.linspace(-0.03, 0.03, 13)
     surface = lambda a, u: 2e-4 * np.cos(2 * a) * (1 + 10 * u) + 1e-4 * np.sin(5 * a)  # noqa: E731
     table = RadiusTable(angle, across, surface(angle[:, None], across))
-    own = contact_model(cone("c", "wheel", 0.0, -0.03, 0.03), circle("r", "rail", 0.3, 0.05), R, out_of_round=[table])
-    own.evaluate((0.0, 0.0, R))
-    shape = place_bodies(own.arrays.rows)[0].shape
+    model_of_table = contact_model(
+        cone("c", "wheel", 0.0, -0.03, 0.03), circle("r", "rail", 0.3, 0.05), R, out_of_round=[table]
+    )
+    model_of_table.evaluate((0.0, 0.0, R))
+    shape = place_bodies(model_of_table.arrays.rows)[0].shape
     for a, u in ((0.1, 0.0), (3.3, 0.012), (6.28, -0.02), (-40.0, 0.0299)):
-        at = depth_at(shape, u, a)
-        assert_allclose(at.d, -surface(a, u), atol=1e-9)
+        depth = depth_at(shape, u, a)
+        assert_allclose(depth.d, -surface(a, u), atol=1e-9)
         h = 1e-4
-        assert_allclose(at.a, -(surface(a + h, u) - surface(a - h, u)) / (2 * h), atol=1e-7)
-        assert_allclose(at.u, -(surface(a, u + h) - surface(a, u - h)) / (2 * h), atol=1e-5)
+        assert_allclose(depth.a, -(surface(a + h, u) - surface(a - h, u)) / (2 * h), atol=1e-7)
+        assert_allclose(depth.u, -(surface(a, u + h) - surface(a, u - h)) / (2 * h), atol=1e-5)
 
 
 def test_waves_shorter_than_the_limit_are_taken_out_of_a_table():
     angle = np.arange(0, 360, 0.25) * np.pi / 180
     deviation = 1e-4 * np.cos(3 * angle) + 1e-5 * np.cos(360 * angle)
     table = RadiusTable(angle, NO_PLACES, deviation[:, None], shortest=0.05)
-    found = table.depth(angle, NO_PLACES, R)[:, 0]
-    assert_allclose(found, -1e-4 * 0.5 ** ((3 * 0.05 / (TURN * R)) ** 2) * np.cos(3 * angle), atol=1e-10)
+    depth = table.depth(angle, NO_PLACES, R)[:, 0]
+    assert_allclose(depth, -1e-4 * 0.5 ** ((3 * 0.05 / (TURN * R)) ** 2) * np.cos(3 * angle), atol=1e-10)
 
 
-@pytest.mark.parametrize("angles, deviations, words", table("a_table_that_is_no_wheel_is_refused"))
-def test_a_table_that_is_no_wheel_is_refused(angles, deviations, words):
-    with pytest.raises(InputError, match=words):
+@pytest.mark.parametrize("angles, deviations, message", table("a_table_that_is_no_wheel_is_refused"))
+def test_a_table_that_is_no_wheel_is_refused(angles, deviations, message):
+    with pytest.raises(InputError, match=message):
         RadiusTable(np.radians(np.array(angles, float)), NO_PLACES, np.array(deviations, float)[:, None])
 
 
@@ -278,8 +282,8 @@ def test_the_closed_form_is_the_flat_of_the_table():
     angle, across, depth = CAMPAIGN.slices().T
     width = 2.0 * np.sqrt(2.0 * CAMPAIGN.CROWN * CAMPAIGN.DEPTH)
     flat = Flat.rounded(CAMPAIGN.RADIUS, CAMPAIGN.LENGTH, CAMPAIGN.DEPTH, width=width)
-    found = flat.depth(np.unique(angle), 1e-3 * np.unique(across), CAMPAIGN.RADIUS)
-    assert_allclose(found.ravel(), 1e-3 * depth, atol=3e-8)
+    depth_of_flat = flat.depth(np.unique(angle), 1e-3 * np.unique(across), CAMPAIGN.RADIUS)
+    assert_allclose(depth_of_flat.ravel(), 1e-3 * depth, atol=3e-8)
 
 
 def on_crown(normal, places):

@@ -190,7 +190,7 @@ def bell(x: np.ndarray) -> np.ndarray:
 def away(profile, u, w):
     """Distance of points from a profile: the nearest point on it, by Newton's method."""
     rows, step = profile.table(2e-5)
-    found = []
+    distances = []
     for x, y in zip(u, w, strict=True):
         L = step * int(np.argmin(np.hypot(rows[:, 0] - x, rows[:, 1] - y)))
         for _ in range(4):
@@ -199,8 +199,8 @@ def away(profile, u, w):
             pu, pw = profile.at(L)
             L += float((x - pu) * tu + (y - pw) * tw)
         pu, pw = profile.at(float(np.clip(L, 0.0, profile.length)))
-        found.append(float(np.hypot(x - pu, y - pw)))
-    return np.array(found)
+        distances.append(float(np.hypot(x - pu, y - pw)))
+    return np.array(distances)
 
 
 def test_the_worn_wheel_lacks_the_two_bells_of_its_formula():
@@ -301,10 +301,10 @@ def enclosed(a: Profile, b: Profile, points: int = 100_001) -> float:
 
 def test_a_new_s1002_has_the_dimensions_of_its_standard_and_a_cone_no_flange() -> None:
     """Flange 32.5 mm thick and 28 mm high (EN 13715); qR of the new profile is 10.8 mm."""
-    found = flange_dimensions(wheel())
-    assert found.thickness == pytest.approx(32.5e-3, abs=1e-6)
-    assert found.height == pytest.approx(28.0e-3, abs=1e-6)
-    assert found.steepness == pytest.approx(10.8e-3, abs=0.02e-3)
+    dimensions = flange_dimensions(wheel())
+    assert dimensions.thickness == pytest.approx(32.5e-3, abs=1e-6)
+    assert dimensions.height == pytest.approx(28.0e-3, abs=1e-6)
+    assert dimensions.steepness == pytest.approx(10.8e-3, abs=0.02e-3)
     with pytest.raises(InputError, match="no flange"):
         flange_dimensions(load_profile("wheels/cone_1in20.toml"))
 

@@ -45,9 +45,9 @@ FACE = np.concatenate(
 def test_a_profile_in_any_layout_is_right_or_refused(name, tmp_path):
     """Every layout at least once; all of them: campaigns/layouts.py."""
     profile = load_profile(name)
-    found = {case.label: outcome(case, profile, tmp_path) for case in cases(profile, 17)}
-    refused = {label: reason for label, reason in found.items() if reason != "right"}
-    assert "wrong" not in refused.values() and len(refused) < 0.2 * len(found)
+    outcomes = {case.label: outcome(case, profile, tmp_path) for case in cases(profile, 17)}
+    refused = {label: reason for label, reason in outcomes.items() if reason != "right"}
+    assert "wrong" not in refused.values() and len(refused) < 0.2 * len(outcomes)
     # what is refused has no unit, or the rail counts to the other side than its format does
     assert all("Is the unit right" in reason or "give field_side" in reason for reason in refused.values())
 
@@ -90,8 +90,8 @@ def test_a_wheel_whose_tread_is_not_at_the_tape_circle_is_never_read_in_silence(
 def test_a_wheel_that_ends_before_its_back_tells_how_thick_its_flange_is(write):
     """The back is known from 70 degrees on: an arc of 20.5 mm ends 1.2 mm before it."""
     for end, note in ((-69.4, "the flange back is at -69.3 mm"), (-66.0, "so the flange is some 31 mm thick")):
-        found = read_points(write(lines(POINTS[POINTS[:, 0] > end], "mm"), "w.txt"), "wheel").profile
-        assert note in found.notes[0]
+        profile = read_points(write(lines(POINTS[POINTS[:, 0] > end], "mm"), "w.txt"), "wheel").profile
+        assert note in profile.notes[0]
     for shift in (-14.0, 8.0):  # thinner than 20, thicker than 38 mm
         short = moved(POINTS[POINTS[:, 0] > -45.0], shift)
         with pytest.raises(InputError, match="the face of the flange lies at u"):
@@ -116,8 +116,8 @@ OUTER = {
 @pytest.mark.parametrize("mirrored", [1.0, -1.0])
 def test_a_wheel_with_its_outer_face_has_its_flange_where_the_curve_turns_back(name, mirrored, write):
     text = lines(FACE * (mirrored, mirrored), "mm") if name == "wheel.csv" else OUTER[name]()
-    found = read_points(write(text, name), "wheel")
-    assert measures(found.close) == pytest.approx(S1002, abs=0.02)
+    reading = read_points(write(text, name), "wheel")
+    assert measures(reading.close) == pytest.approx(S1002, abs=0.02)
     told = read_points(write(text, name), "wheel", origin="tape circle", back=0.07, measured=False, unit="mm")
     assert not [note for note in told.profile.notes if "tape circle" in note]
 
@@ -138,10 +138,10 @@ def test_miniprof_rails_count_to_the_gauge_side(write):
     high = worn(RAIL, [Removal("normal", 3e-3, -38e-3, 18e-3)], "high rail")
     expected = head_wear(high, RAIL)
     text = miniprof(nodes(high) * (-1.0, 1.0))
-    found = read_points(write(text, "high_rail.ban"))
-    wear = head_wear(found.close, RAIL)
+    reading = read_points(write(text, "high_rail.ban"))
+    wear = head_wear(reading.close, RAIL)
     assert (wear.lateral, wear.corner) == pytest.approx((expected.lateral, expected.corner), abs=1e-5)
-    assert found.profile.notes == ("high_rail.ban: x to the gauge side, as its format has it (field_side)",)
+    assert reading.profile.notes == ("high_rail.ban: x to the gauge side, as its format has it (field_side)",)
     with pytest.raises(InputError, match=r"x counts to the gauge side .* by wear of 1\.\d mm in the mean it does not"):
         read_points(write(miniprof(nodes(high)), "high_rail.ban"))
     assert read_points(write(miniprof(nodes(high)), "high_rail.ban"), field_side="positive").profile.notes == ()
@@ -157,9 +157,9 @@ def test_miniprof_rails_count_to_the_gauge_side(write):
 def test_a_rail_shows_its_gauge_side(rail, reason, write):
     profile = load_profile(rail)
     for side in (1.0, -1.0):
-        found = read_points(write(lines(nodes(profile) * (side, 1.0), "mm"), "rail.csv"), "rail").profile
-        assert reason in found.notes[0]
-        assert found.gauge_point() == pytest.approx(profile.gauge_point(), abs=1e-5)
+        read_profile = read_points(write(lines(nodes(profile) * (side, 1.0), "mm"), "rail.csv"), "rail").profile
+        assert reason in read_profile.notes[0]
+        assert read_profile.gauge_point() == pytest.approx(profile.gauge_point(), abs=1e-5)
 
 
 def test_the_height_at_the_tape_circle_is_the_radius_there(write):
@@ -178,9 +178,9 @@ def test_straight_parts_need_no_points_and_far_corners_are_rounded(write):
     tread = POINTS[POINTS[:, 0] < 29.8]
     u, w = tread[-1]
     coarse = np.concatenate([tread, [(u + 12, w + 0.3), (u + 24, w + 0.6), (u + 29, w + 5.6)]])
-    found = read_points(write(lines(coarse, "mm"), "wheel.csv"), "wheel").profile
-    assert measures(found) == pytest.approx(S1002, abs=0.01)
-    assert "rounded" in found.notes[0] and "gaps of up to 12 mm filled" in found.notes[0]
+    profile = read_points(write(lines(coarse, "mm"), "wheel.csv"), "wheel").profile
+    assert measures(profile) == pytest.approx(S1002, abs=0.01)
+    assert "rounded" in profile.notes[0] and "gaps of up to 12 mm filled" in profile.notes[0]
     for shift in (0.0, 6.0):  # where the curve turns a gap is a fault
         hole = np.abs(POINTS[:, 0] + 32.0 - shift) > 4.0
         with pytest.raises(InputError, match="too coarse"):
@@ -194,11 +194,11 @@ def test_dense_points_are_smoothed_by_their_scatter(write):
     """A point every 10 um with four decimals; every 0.1 and 0.5 mm with three: curvature within 2 1/m."""
     for step, digits in ((5e-4, 3), (1e-5, 4), (1e-4, 3)):
         text = "".join(f"{u:.{digits}f},{w:.{digits}f}\n" for u, w in nodes(RAIL, step))
-        found = read_points(write(text, "rail.csv"), "rail").profile
-        assert "the points scatter by" in found.notes[0]
+        profile = read_points(write(text, "rail.csv"), "rail").profile
+        assert "the points scatter by" in profile.notes[0]
         places = np.array([-0.031, -0.018, 0.0, 0.005])  # some mm from where the curvature jumps
         expected = RAIL.curvature(RAIL.arclength_of(places))
-        np.testing.assert_allclose(found.curvature(found.arclength_of(places)), expected, atol=2.0)
+        np.testing.assert_allclose(profile.curvature(profile.arclength_of(places)), expected, atol=2.0)
     with pytest.raises(InputError, match=r"Smooth them with measured = true \(--measured\)"):
         read_points(write(text, "rail.csv"), "rail", measured=False)
     assert read_points(write(text, "rail.csv"), "rail", measured=True).measured
@@ -210,9 +210,9 @@ def test_a_tip_that_is_scanned_twice_is_joined_with_a_note(write):
     for again in (tip - 20, tip - 3):
         twice = np.concatenate([POINTS[: tip + 10], moved(POINTS[again:], 0.0, 0.05)])
         twice = twice + 2e-3 * rng.normal(size=twice.shape)
-        found = read_points(write(miniprof(twice * (1.0, -1.0)), "wheel.whl"))
-        assert any(word in found.profile.notes[0] for word in ("scanned twice", "two scans"))
-        assert measures(found.close)[1:] == pytest.approx(S1002[1:], abs=0.05)
+        reading = read_points(write(miniprof(twice * (1.0, -1.0)), "wheel.whl"))
+        assert any(word in reading.profile.notes[0] for word in ("scanned twice", "two scans"))
+        assert measures(reading.close)[1:] == pytest.approx(S1002[1:], abs=0.05)
     far = np.concatenate([POINTS[: tip + 10], moved(POINTS[tip - 20 :], 0.0, 1.0)])
     with pytest.raises(InputError, match=r"goes back on itself|heights is unknown"):
         read_points(write(miniprof(far), "wheel.whl"))
@@ -229,8 +229,8 @@ def test_a_tip_that_is_scanned_twice_is_joined_with_a_note(write):
     ],
 )
 def test_columns_that_hold_no_coordinate_and_ends_without_numbers_are_left_out(text, note, write):
-    found = read_points(write(text(lines(POINTS, "mm")), "w.csv"), "wheel").profile
-    assert measures(found) == pytest.approx(S1002, abs=0.01) and note in found.notes[0]
+    profile = read_points(write(text(lines(POINTS, "mm")), "w.csv"), "wheel").profile
+    assert measures(profile) == pytest.approx(S1002, abs=0.01) and note in profile.notes[0]
 
 
 def test_a_comment_is_no_name_and_vampire_takes_the_right_side(write):
@@ -252,31 +252,36 @@ def test_a_comment_is_no_name_and_vampire_takes_the_right_side(write):
 def test_a_scan_is_laid_on_the_unworn_profile_by_the_parts_that_do_not_wear(unworn, du, dw, turn, write):
     """A worn profile moved and turned: the scan comes back to where the worn profile lies; 3 um of noise."""
     bell = Removal("normal", 1.5e-3, -40e-3 if unworn.kind == "wheel" else -35e-3, 15e-3)
-    own = worn(unworn, [bell, Removal("vertical", 1e-3, 0.0, 20e-3)], "worn")
-    scan = nodes(own.rotated(turn).shifted(1e-3 * du, 1e-3 * dw))
+    worn_profile = worn(unworn, [bell, Removal("vertical", 1e-3, 0.0, 20e-3)], "worn")
+    scan = nodes(worn_profile.rotated(turn).shifted(1e-3 * du, 1e-3 * dw))
     scan = scan + 3e-3 * np.random.default_rng(1).normal(size=scan.shape)
     name = "scan.whl" if unworn.kind == "wheel" else "scan.ban"
     text = miniprof(scan if unworn.kind == "wheel" else scan * (-1.0, 1.0))
-    found = read_points(write(text, name), align=unworn)
-    assert "aligned on" in found.profile.notes[0] and f"turned by {-1e3 * turn:.0f}" in found.profile.notes[0].replace(
-        ".", " "
-    )
-    level = float(own.at(own.arclength_of(0.0))[1]) if unworn.kind == "wheel" else 0.0
+    reading = read_points(write(text, name), align=unworn)
+    assert "aligned on" in reading.profile.notes[0] and f"turned by {-1e3 * turn:.0f}" in reading.profile.notes[
+        0
+    ].replace(".", " ")
+    level = float(worn_profile.at(worn_profile.arclength_of(0.0))[1]) if unworn.kind == "wheel" else 0.0
     if unworn.kind == "wheel":
-        assert measures(found.close) == pytest.approx(measures(own.shifted(0.0, -level)), abs=0.03)
+        assert measures(reading.close) == pytest.approx(measures(worn_profile.shifted(0.0, -level)), abs=0.03)
     else:
-        wear, expected = head_wear(found.close, RAIL), head_wear(own, RAIL)
+        wear, expected = head_wear(reading.close, RAIL), head_wear(worn_profile, RAIL)
         assert (wear.vertical, wear.lateral) == pytest.approx((expected.vertical, expected.lateral), abs=0.05e-3)
 
 
 # Lists of profiles
 
 
-def slices(places, names, features=(), what="U") -> str:
+def slices(places, names, features=(), scale_name="U") -> str:
     rows = "".join(f"{place} '{name}'\n" for place, name in zip(places, names, strict=True))
-    marks = "".join(f"{place} " + " ".join(map(str, own)) + "\n" for place, own in zip(places, features, strict=False))
+    marks = "".join(
+        f"{place} " + " ".join(map(str, marks_of_slice)) + "\n"
+        for place, marks_of_slice in zip(places, features, strict=False)
+    )
     count = len(features[0]) if features else 0
-    head = f"% own\n 0.0 1.0 {what}_OFFSET, {what}_SCALE\n {len(places)} NSLC\n {count} 0 0 NFEAT\n 1 METHOD\n"
+    head = (
+        f"% own\n 0.0 1.0 {scale_name}_OFFSET, {scale_name}_SCALE\n {len(places)} NSLC\n {count} 0 0 NFEAT\n 1 METHOD\n"
+    )
     return f"{head}\n{rows}\n{marks}"
 
 
@@ -287,9 +292,9 @@ def test_lists_of_profiles_are_sections_along_the_track_and_over_the_angle(write
     places, marks = (-100.0, 0.0, 250.0), ((0.0, -1, 40.0, 133.3),) * 3
     path = write(slices(places, [f"rail_{i}.prr" for i in range(3)], marks), "rails.slcs")
     sections = read_sections(path)
-    assert [own.distance for own in sections] == [-0.1, 0.0, 0.25]
+    assert [section.distance for section in sections] == [-0.1, 0.0, 0.25]
     assert sections[1].features == pytest.approx((0.04, 0.04)) and sections[2].profile.top[1] == pytest.approx(-0.4e-3)
-    wheels = write(slices((0.0, 1.0, 2.0), [f"wheel_{i}.prw" for i in range(3)], what="TH"), "wheels.slcw")
+    wheels = write(slices((0.0, 1.0, 2.0), [f"wheel_{i}.prw" for i in range(3)], scale_name="TH"), "wheels.slcw")
     table = read_wheel_sections(wheels, WHEEL)
     np.testing.assert_allclose(table.angle, (0.0, 1.0, 2.0), atol=1e-12)
     with pytest.raises(InputError, match=r"is a list of sections along the track: table of"):

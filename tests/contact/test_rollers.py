@@ -27,11 +27,11 @@ def model(wheel, rail, roller, normal="strips", radius=0.46, **choices):
     return models.contact_model(wheel, rail, radius, settings, 0.3, roller=roller)
 
 
-def rolling(one, origin, yaw=0.0, roll=0.0):
+def rolling(model, origin, yaw=0.0, roll=0.0):
     """A wheel that rolls at its tape circle; origin of its profile (t, o, b) in rail axes [m]."""
     axle = np.array([yaw, 1.0, roll])
     axle /= np.linalg.norm(axle)
-    return one.evaluate(origin, axle, (SPEED, 0.0, 0.0), SPEED / one.radius * axle)
+    return model.evaluate(origin, axle, (SPEED, 0.0, 0.0), SPEED / model.radius * axle)
 
 
 @pytest.mark.parametrize("normal", NORMAL)
@@ -73,15 +73,15 @@ def test_a_wheel_ahead_of_the_top_is_met_on_the_line_of_centres(normal):
     radius, roller, ahead, approach = 0.46, 0.8, 0.012, 5e-5
     centres = radius + roller - approach
     height = np.sqrt(centres**2 - ahead**2) - roller
-    there = model(CYLINDER, CROWN, roller, normal, tangential="none").evaluate((ahead, 0.0, height))
+    contact_ahead = model(CYLINDER, CROWN, roller, normal, tangential="none").evaluate((ahead, 0.0, height))
     over = model(CYLINDER, CROWN, roller, normal, tangential="none").evaluate((0.0, 0.0, radius - approach))
-    (lobe,) = there.patches
+    (lobe,) = contact_ahead.patches
     assert lobe["approach"] == pytest.approx(approach, abs=1e-9)
     middle = roller - 0.5 * approach  # of the overlap, from the roller's axle
     assert lobe["x"] == pytest.approx(middle * ahead / centres, rel=1e-4)
     assert lobe["b"] == pytest.approx(middle * (height + roller) / centres - roller, abs=1e-7)
-    assert there.force[0] / there.force[2] == pytest.approx(ahead / (height + roller), rel=1e-3)
-    assert hypot(*there.force) == pytest.approx(over.force[2], rel=2e-4)
+    assert contact_ahead.force[0] / contact_ahead.force[2] == pytest.approx(ahead / (height + roller), rel=1e-3)
+    assert hypot(*contact_ahead.force) == pytest.approx(over.force[2], rel=2e-4)
 
 
 @pytest.mark.parametrize("normal", NORMAL)
@@ -102,13 +102,13 @@ def test_a_wheel_rolls_freely_where_the_undeformed_bodies_have_one_speed(normal)
 @pytest.mark.parametrize("normal", NORMAL)
 def test_behind_is_ahead_mirrored(normal):
     bodies = contacts.wheel_profile("S1002"), contacts.rail_profile("60E1", 40)
-    one, other = (
+    ahead, behind = (
         rolling(model(*bodies, 0.8, normal), (sign * 8e-3, -6.6e-3, 0.46 - 3e-4), sign * 0.01) for sign in (1.0, -1.0)
     )
-    np.testing.assert_allclose(other.patches["x"], -one.patches["x"], rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(behind.patches["x"], -ahead.patches["x"], rtol=1e-6, atol=1e-9)
     for name in ("N", "p0", "xi", "phi"):
-        np.testing.assert_allclose(other.patches[name], one.patches[name], rtol=1e-5, atol=1e-9)
-    np.testing.assert_allclose(other.patches["eta"], -one.patches["eta"], rtol=1e-5, atol=1e-9)
+        np.testing.assert_allclose(behind.patches[name], ahead.patches[name], rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(behind.patches["eta"], -ahead.patches["eta"], rtol=1e-5, atol=1e-9)
 
 
 def test_models_agree_on_a_flange_of_a_yawed_wheel():

@@ -43,14 +43,14 @@ def random_poses(model, count, seed, deepest=0.4e-3):
 def wheel_point(model, origin, axle, arc):
     """(o, b) and tangent of the outline of the kernel's wheel."""
     a = model.arrays
-    at = locus_point(contacts.wheel_at(a.wheel, a.model.wheel_step, model.radius, origin, axle), arc)
-    return np.array([at.o, at.b]), np.array([-at.nb, at.no])
+    outline = locus_point(contacts.wheel_at(a.wheel, a.model.wheel_step, model.radius, origin, axle), arc)
+    return np.array([outline.o, outline.b]), np.array([-outline.nb, outline.no])
 
 
 def rail_point(model, arc):
     """(o, b) and tangent of the kernel's rail."""
-    at = profile_point(ProfileTable(model.arrays.rail, float(model.arrays.model.rail_step)), arc)
-    return np.array([at.u, at.w]), np.array([at.tu, at.tw])
+    point = profile_point(ProfileTable(model.arrays.rail, float(model.arrays.model.rail_step)), arc)
+    return np.array([point.u, point.w]), np.array([point.tu, point.tw])
 
 
 @pytest.mark.parametrize("bent", [lambda t: 1.0 - t**4, lambda t: np.exp(-5.0 * t) - np.exp(-5.0)], ids=["down", "up"])
@@ -77,7 +77,7 @@ def test_searches_begin_at_the_nearest_point_and_of_two_as_near_at_the_one_of_th
 @SOME_PAIRS
 def test_the_line_between_main_points_is_normal_to_both_bodies(pair):
     model = contacts.pair_model(pair, **contacts.PLAIN)
-    found = 0
+    lobes = 0
     for origin, axle in random_poses(model, 80, seed=1):
         contact = model.evaluate(origin, axle)
         for lobe in contact.patches:
@@ -88,8 +88,8 @@ def test_the_line_between_main_points_is_normal_to_both_bodies(pair):
             assert abs(line @ wheel_tangent) < 1e-10
             # the normal of the rail's table is a unit vector to 6e-7 beside a join of arcs, to 1e-10 elsewhere
             assert lobe["approach"] == pytest.approx(np.hypot(*line), rel=1e-6)
-            found += 1
-    assert found > 40
+            lobes += 1
+    assert lobes > 40
 
 
 def brute_force(model, points=4001):
@@ -142,12 +142,12 @@ def test_the_deepest_zone_is_found_where_the_back_of_a_flange_lies_in_a_check_ra
             [0.0, contacts.HALF_SPACING + rng.uniform(-12e-3, -5e-3) - o, contacts.RADIUS + rng.uniform(-1e-3, 1e-3)]
         )
         contact = model.evaluate(origin, axle_of(rng.uniform(-0.02, 0.02), rng.uniform(-0.01, 0.01)))
-        found = contacts.columns(contact.patches, "arc_wheel approach")
-        if any(depth > 4e-3 for _, depth in found):  # brute force looks no deeper than 5 mm
+        zones_of_search = contacts.columns(contact.patches, "arc_wheel approach")
+        if any(depth > 4e-3 for _, depth in zones_of_search):  # brute force looks no deeper than 5 mm
             continue
         arc, depth, _ = max(peaks(), key=lambda zone: zone[1], default=(0.0, 0.0, 0.0))
         if depth > 1e-6:
-            assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d in found)
+            assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d in zones_of_search)
             at_the_back += arc < 5e-3
     assert at_the_back > 12
 
@@ -159,16 +159,20 @@ def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
     several = 0
     for origin, axle in random_poses(model, 36, seed=3):
         contact = model.evaluate(origin, axle)
-        found = contacts.columns(contact.patches, "arc_wheel approach")
+        zones_of_search = contacts.columns(contact.patches, "arc_wheel approach")
         zones = peaks()
         # peaks that stand out by less than 1 um are ripples on a zone (at joins of arcs), narrower than the
         # search's stride, and touch shallower than 1 um are below the brute force's own resolution
         clear = [zone for zone in zones if min(zone[1:]) > 1e-6]
         several += len(clear) > 1
-        if len(found) < model.settings.patch_count:
+        if len(zones_of_search) < model.settings.patch_count:
             for arc, depth, _ in clear:
-                assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d in found), (origin, axle, zones)
-        for arc, depth in found[found[:, 1] > 1e-6]:
+                assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d in zones_of_search), (
+                    origin,
+                    axle,
+                    zones,
+                )
+        for arc, depth in zones_of_search[zones_of_search[:, 1] > 1e-6]:
             assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d, _ in zones), (origin, axle, zones)
     assert several > 1
 
@@ -231,8 +235,8 @@ def test_contact_ends_with_the_rail_and_not_between_parallel_bodies():
     # a plane of 60 mm, whose ends are straight on both sides: 2 mm within them, and half a row of its table beyond
     model = contacts.contact_model(contacts.round_wheel(0.05, 0.01), contacts.flat_rail(0.03), **contacts.PLAIN)
     for side in (1.0, -1.0):
-        found = [model.evaluate((0.0, side * o, contacts.RADIUS - 1e-5)).patches for o in (0.028, 0.03005)]
-        assert list(map(len, found)) == [1, 0]
+        patches = [model.evaluate((0.0, side * o, contacts.RADIUS - 1e-5)).patches for o in (0.028, 0.03005)]
+        assert list(map(len, patches)) == [1, 0]
     # beside the flange root the distance is nearly even over millimetres, and the samples' slopes have any sign
     stand = contacts.bench(contacts.pair_model("S1002/60E1 1:40", **contacts.PLAIN), rolling=False)
     total = stand.wheels[0].model.arrays.total
@@ -275,10 +279,10 @@ PAIRS_AND_YAWS = pytest.mark.parametrize(
 def test_forces_do_not_jump_by_more_than_two_permille_of_the_load(pair, yaw):
     # measured: 0.0018 and less. What is left comes from ripples of the distance that are narrower than the search's
     # stride (0.8 mm), seen only when they have grown.
-    found = jumps(pair, yaw, 60e3, (-8e-3, 8.75e-3))
+    steps = jumps(pair, yaw, 60e3, (-8e-3, 8.75e-3))
     if pair.startswith("S1002") and yaw:
-        found = found[(found[:, 0] < EQUAL_RADII[0]) | (found[:, 0] > EQUAL_RADII[1])]
-    assert found[:, 1].max() < 2e-3
+        steps = steps[(steps[:, 0] < EQUAL_RADII[0]) | (steps[:, 0] > EQUAL_RADII[1])]
+    assert steps[:, 1].max() < 2e-3
 
 
 @pytest.mark.parametrize("off", [2e-5, 1e-4])

@@ -65,9 +65,9 @@ def test_primitive_of_the_influence_of_a_strip(xi, t):
                  0.5 * np.pi, points=[nearest], epsabs=1e-13, epsrel=1e-12, limit=400)[0]  # fmt: skip
     vectors = np.zeros((VECTORS, 1))
     vectors[[V.FROM, V.TO, V.INVERSE, V.PUSH, V.MIDDLE, V.NB], 0] = 0.0, t, 1.0, 1.0, 0.0, 1.0
-    found = displacement_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0, False, False)
-    assert found.fore == pytest.approx(exact, rel=2e-5)
-    assert found.aft == pytest.approx(found.fore, rel=1e-12)
+    displacement = displacement_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0, False, False)
+    assert displacement.fore == pytest.approx(exact, rel=2e-5)
+    assert displacement.aft == pytest.approx(displacement.fore, rel=1e-12)
 
 
 def test_the_table_of_the_package_is_that_of_its_integral():
@@ -94,13 +94,15 @@ def test_terms_of_the_derivatives_are_those_of_the_displacement(xi, t):
 def test_the_row_of_the_middle_is_that_of_the_table(t):
     vectors = np.zeros((VECTORS, 1))
     vectors[[V.FROM, V.TO, V.INVERSE, V.PUSH, V.MIDDLE, V.NB], 0] = -0.3 * t, 1.2 * t, 1.0, 1.0, 0.0, 1.0
-    found, terms = [], []
+    displacements, terms = [], []
     for aligned in (True, False):
-        own = vectors.copy()
-        found.append(displacement_at(influence_table(), own, 0, 1, 0.0, 0.0, 0.5, 2, 0.0, 1.0, False, aligned)[:2])
-        find_terms(influence_table(), own, 0, 1, 0.0, 0.0, aligned, *own[V.TERMS : V.TERMS + 5])
-        terms.append(own[V.TERMS : V.TERMS + 5, 0])
-    assert found[0] == pytest.approx(found[1], rel=1e-12)
+        fresh = vectors.copy()
+        displacements.append(
+            displacement_at(influence_table(), fresh, 0, 1, 0.0, 0.0, 0.5, 2, 0.0, 1.0, False, aligned)[:2]
+        )
+        find_terms(influence_table(), fresh, 0, 1, 0.0, 0.0, aligned, *fresh[V.TERMS : V.TERMS + 5])
+        terms.append(fresh[V.TERMS : V.TERMS + 5, 0])
+    assert displacements[0] == pytest.approx(displacements[1], rel=1e-12)
     np.testing.assert_allclose(terms[0], terms[1], rtol=1e-12, atol=1e-15)
 
 
@@ -140,8 +142,8 @@ def test_a_budget_is_kept_and_half_as_many_strips_are_at_hand(lateral, yaw, grid
     coarse, strips = force(0.4 * needed)
     assert strips == 8 and 1e-5 < abs(coarse / free - 1.0) < 2e-3
     for cold in (False, True):
-        found, strips = force(1400.0, cold)
-        assert strips == 16 and found == pytest.approx(free, rel=1e-8)
+        normal_force, strips = force(1400.0, cold)
+        assert strips == 16 and normal_force == pytest.approx(free, rel=1e-8)
 
 
 @pytest.mark.campaign
@@ -184,14 +186,17 @@ def test_newton_s_matrix_is_the_derivative_of_the_residuals(pair, lateral, yaw, 
     residuals(system, n)
     jacobian(system, n)
     solved = system.vectors[V.UNKNOWN_INDEX, : system.memo[0].unknowns].astype(int)
-    matrix, found = system.matrix[: solved.size, : solved.size].copy(), np.zeros((solved.size,) * 2)
-    for column, unknown in zip(found.T, solved, strict=True):
-        at, step = x[unknown], 1e-5 * x[unknown] if unknown < 2 * n else 1e-8  # a^2 and factors; edges and middles [m]
+    matrix, differences = system.matrix[: solved.size, : solved.size].copy(), np.zeros((solved.size,) * 2)
+    for column, unknown in zip(differences.T, solved, strict=True):
+        value, step = (
+            x[unknown],
+            1e-5 * x[unknown] if unknown < 2 * n else 1e-8,
+        )  # a^2 and factors; edges and middles [m]
         for side in (1.0, -1.0):
-            x[unknown] = at + side * step
+            x[unknown] = value + side * step
             residuals(system, n)
             column += side * f[solved] / (2.0 * step)
-        x[unknown] = at
+        x[unknown] = value
     allowed = np.full_like(matrix, 1e-6)
     behind = solved % block_of(n) - 2 * n
     allowed[np.ix_(behind < 0, (behind == 0) | (behind == 1))] = 1e-3  # read between rows
@@ -199,7 +204,7 @@ def test_newton_s_matrix_is_the_derivative_of_the_residuals(pair, lateral, yaw, 
         allowed[solved < n], allowed[behind >= EDGES] = 1e-3, 1e-2
     if turned:  # lateral forces lie straight between rows, and their lift stays where half lengths change
         allowed = np.maximum(allowed, 2e-2)
-    assert (np.abs(matrix - found) <= allowed * np.abs(found).max(axis=0)).all()
+    assert (np.abs(matrix - differences) <= allowed * np.abs(differences).max(axis=0)).all()
 
 
 @pytest.mark.parametrize(("pair", "lateral", "yaw", "wrong"), table("a_yawed_wheel_presses_as_the_half_space_does"))
@@ -262,8 +267,8 @@ def test_overlaps_far_apart_press_each_other_down_as_in_the_half_space():
     # root and tread at once, 6 mm between their overlaps: with distances between contacts N is 4 % off
     model = contacts.pair_model("S1002/54E1 1:20", **STRIPS, **contacts.PLAIN)
     contacts.settle(contacts.bench(model, rolling=False), 5.627e-3, 2e-3, 60e3)
-    found = model.arrays.patches["N"][: model.arrays.total.lobes].sum()
-    assert found == pytest.approx(HalfSpace(resolution=24).solve_pose(model).normal_force, rel=0.005)
+    normal_force = model.arrays.patches["N"][: model.arrays.total.lobes].sum()
+    assert normal_force == pytest.approx(HalfSpace(resolution=24).solve_pose(model).normal_force, rel=0.005)
 
 
 @pytest.mark.parametrize(("groove", "spin", "approach", "p0"), table("a_ball_in_a_deep_groove_with_turned_influence"))
@@ -275,13 +280,13 @@ def test_a_ball_in_a_deep_groove_with_turned_influence(groove, spin, approach, p
     turned = {"half_space": HalfSpaceSettings(influence="angle-corrected"), "wheel": steel, "rail": steel}
     model = wheel_on_rail(ball, trough, 0.42, ContactSettings(**STRIPS, damping=0.0, **turned), 0.3)
 
-    def at(depth):
+    def pressed(depth):
         return model.evaluate((0.0, 0.0, 0.42 - depth), velocity=(0.42, 0.0, 0.0), omega=(0.0, spin, 0.0))
 
-    found = brentq(lambda depth: at(depth).force[2] - 1e4, 0.9 * approach, 1.1 * approach, xtol=1e-10)
+    depth_at_load = brentq(lambda depth: pressed(depth).force[2] - 1e4, 0.9 * approach, 1.1 * approach, xtol=1e-10)
     # measured: 0.001 and 0.003
-    assert found == pytest.approx(approach, rel=0.002)
-    assert at(found).patches["p0"].max() == pytest.approx(p0, rel=0.005)
+    assert depth_at_load == pytest.approx(approach, rel=0.002)
+    assert pressed(depth_at_load).patches["p0"].max() == pytest.approx(p0, rel=0.005)
 
 
 @pytest.mark.parametrize("yaw", [13e-3, 16e-3, 20e-3, 24e-3, 28e-3])
@@ -378,9 +383,9 @@ def runs(arrays):
     """Strips of each stretch of contact without a gap; single ones are left out."""
     rows = []
     for i in range(arrays.total.lobes):
-        own = arrays.strips[i, : arrays.patches[i].n_strips].copy()
-        own["s"] += arrays.patches[i].arc_rail
-        rows.append(own)
+        strips_of_lobe = arrays.strips[i, : arrays.patches[i].n_strips].copy()
+        strips_of_lobe["s"] += arrays.patches[i].arc_rail
+        rows.append(strips_of_lobe)
     strips = np.concatenate(rows)
     gaps = strips["s"][1:] - 0.5 * strips["ds"][1:] - strips["s"][:-1] - 0.5 * strips["ds"][:-1]
     return [run for run in np.split(strips, np.flatnonzero(gaps > 1e-8) + 1) if len(run) > 1]
@@ -392,13 +397,13 @@ def test_no_end_stands_out_and_every_region_bears_what_the_half_space_does(wheel
         contacts.wheel_profile(wheel), contacts.rail_profile("worn", 40), **STRIPS, **contacts.PLAIN
     )
     contacts.settle(contacts.bench(model, rolling=False), lateral, yaw, 100e3)
-    own = []
+    borne = []
     for run in runs(model.arrays):
         q = run["N"] / run["ds"]
-        own.append(run["N"].sum())
+        borne.append(run["N"].sum())
         assert len(run) < 3 or (q[0] < 1.25 * q[1] and q[-1] < 1.25 * q[-2])
     exact = [region.normal_force for patch in HalfSpace().solve_pose(model).patches for region in patch.regions]
-    assert sorted(own) == pytest.approx(sorted(exact), rel=wrong)
+    assert sorted(borne) == pytest.approx(sorted(exact), rel=wrong)
 
 
 @pytest.mark.parametrize("pair", ["S1002/60E1 1:40", "worn/60E1 1:40", "worn/worn 1:40"])
@@ -619,14 +624,14 @@ def test_yaw_to_the_left_presses_as_yaw_to_the_right_does(pair, lateral, yaw):
     stand = contacts.bench(contacts.pair_model(pair, **STRIPS, **contacts.PLAIN), rolling=False)
     a = stand.wheels[0].model.arrays
     height = contacts.settle(stand, lateral, yaw, 60e3)[0].height
-    found = []
+    numbers = []
     for sign in (1.0, -1.0):
         stand.evaluate(lateral, height, sign * yaw, 0.0)
         count = int(a.total.lobes)
-        found.append(np.concatenate([a.patches[name][:count] for name in ("N", "p0", "area")]))
-        found.append(-sign * a.patches["x"][:count])
-    assert found[2] == pytest.approx(found[0], rel=1e-7)
-    assert found[3] == pytest.approx(found[1], rel=1e-7, abs=1e-9)
+        numbers.append(np.concatenate([a.patches[name][:count] for name in ("N", "p0", "area")]))
+        numbers.append(-sign * a.patches["x"][:count])
+    assert numbers[2] == pytest.approx(numbers[0], rel=1e-7)
+    assert numbers[3] == pytest.approx(numbers[1], rel=1e-7, abs=1e-9)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.012])
@@ -638,9 +643,9 @@ def test_a_hump_beyond_a_gap_has_strips_of_its_own(yaw):
     borne = []
     for less in np.arange(34e-6, 14.4e-6, -0.5e-6):  # then the gap has closed
         stand.evaluate(5.6e-3, height + less, yaw, 0.0)
-        own = runs(a)
-        assert a.total.lobes == 1 and all(len(run) == USUAL["strips"].strips for run in own)
-        borne.append(own[1]["N"].sum() / own[0]["N"].sum() if len(own) == 2 else 0.0)
+        regions = runs(a)
+        assert a.total.lobes == 1 and all(len(run) == USUAL["strips"].strips for run in regions)
+        borne.append(regions[1]["N"].sum() / regions[0]["N"].sum() if len(regions) == 2 else 0.0)
     steps = np.diff(borne)
     assert borne[0] == 0.0 and borne[-1] > 0.02
     # measured: 0.0001 in the first step, 0.0016 at most
@@ -650,11 +655,11 @@ def test_a_hump_beyond_a_gap_has_strips_of_its_own(yaw):
 def test_force_does_not_jump_where_the_gap_between_two_lobes_opens():
     # what a third one does to the second reaches the first while they hang together (0.02 of the load)
     stand = contacts.bench(contacts.pair_model("S1002/60E1 1:20", **STRIPS, **contacts.PLAIN), rolling=False)
-    found, force = stand.wheels[0].model.arrays.contacts, []
+    points, force = stand.wheels[0].model.arrays.contacts, []
     for height in (0.459793312, 0.459793314):
         stand.evaluate(6.3e-3, height, -12.822652e-3, 0.0)
         force.append(stand.force[2])
-        assert (found[1].saddle > 0.0) == (len(force) == 1)
+        assert (points[1].saddle > 0.0) == (len(force) == 1)
     assert force[1] == pytest.approx(force[0], rel=1e-4)
 
 
@@ -668,5 +673,5 @@ def test_long_strips_far_shifted_against_each_other_press_as_the_half_space_does
     stand = contacts.bench(contacts.pair_model(pair, **STRIPS, **contacts.PLAIN), rolling=False)
     model = stand.wheels[0].model
     stand.evaluate(lateral, height, yaw, 0.0)
-    own = contacts.contact_of(stand).normal_force
-    assert own == pytest.approx(HalfSpace(resolution=12).solve_pose(model).normal_force, rel=0.005)
+    normal_force = contacts.contact_of(stand).normal_force
+    assert normal_force == pytest.approx(HalfSpace(resolution=12).solve_pose(model).normal_force, rel=0.005)

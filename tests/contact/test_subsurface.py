@@ -26,10 +26,10 @@ def loads_on(rows: LoadedRows, nu: float = 0.28) -> SurfaceLoads:
 
 def square(p: float, qx: float = 0.0, qs: float = 0.0, parts: int = 1) -> SurfaceLoads:
     """A square of 1 m, its middle a little aside."""
-    one, tractions = np.ones(parts), np.empty((3, parts, parts))
+    ones, tractions = np.ones(parts), np.empty((3, parts, parts))
     tractions[:] = np.reshape((p, qx, qs), (3, 1, 1))
     s = 2e-4 + (np.arange(parts) + 0.5) / parts - 0.5
-    return loads_on(LoadedRows(s, one / parts, 1e-4 * one, 0.5 * one, tractions))
+    return loads_on(LoadedRows(s, ones / parts, 1e-4 * ones, 0.5 * ones, tractions))
 
 
 def ellipse(a: float, b: float, rows: int, parts: int, nu: float = 0.3, mu: float = 0.0) -> SurfaceLoads:
@@ -57,8 +57,8 @@ def test_a_loaded_square_has_the_extremes_of_contact(row):
     largest = float(values.max() if expected > 0.0 else values.min())
     assert_allclose(largest, expected, rtol=0.01, atol=5e-4)  # printed with three decimals
     place = np.abs([axis - float(row[name]) for axis, name in zip((x, y, z), ("x_mm", "y_mm", "z_mm"), strict=True)])
-    there = values[(place < 1e-4).all(axis=0)]
-    assert_allclose(there, expected, rtol=0.01, atol=5e-4)
+    values_at_place = values[(place < 1e-4).all(axis=0)]
+    assert_allclose(values_at_place, expected, rtol=0.01, atol=5e-4)
 
 
 @pytest.mark.parametrize("load", np.eye(3).tolist())

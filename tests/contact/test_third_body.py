@@ -58,15 +58,15 @@ def test_a_layer_that_yields_follows_contact(series):
 # measured: 0.0014 with 40 elements, 0.0074, 0.0093 at a creepage of 0.6 %; without the layer 0.17
 @pytest.mark.parametrize(("model", "most"), [("half-space", 2e-3), ("fastsim", 0.01), ("fastrip", 0.01)])
 def test_a_thick_elastic_layer_follows_contact(model, most):
-    found = []
+    tractions = []
     for creepage in FALLING[0]:
         mu = 0.14 + 0.19 * 0.5 ** (creepage * 10.0 / 1.25)
         if model == "half-space":
-            found.append(exact(creepage, SOFT, 30, mu)[0])
+            tractions.append(exact(creepage, SOFT, 30, mu)[0])
             continue
         choices = {"radius": np.sqrt(A * B), "peak": 1.5 * LOAD / (np.pi * A * B), "friction": mu, "model": model}
-        found.append(-total(roll(A / B, creepage, layer=SOFT.flexibility, **choices))[0] / LOAD)
-    assert_allclose(found, FALLING[1], atol=most)
+        tractions.append(-total(roll(A / B, creepage, layer=SOFT.flexibility, **choices))[0] / LOAD)
+    assert_allclose(tractions, FALLING[1], atol=most)
 
 
 def test_yielding_is_opposite_to_the_slip_and_reaches_the_hardened_stress():

@@ -40,14 +40,14 @@ def losses(yaw_mrad: float, *, lateral_mm: float = 0.0, step: float = 0.25e-3, *
     stand = bench(pair_model(PAIR, **choices))
     _, contact = settle(stand, 1e-3 * lateral_mm, 1e-3 * yaw_mrad, 80e3)
     idle = WheelOnRail(pair_model(PAIR, **choices), -1, 0.75, stand.wheels[0].rail_origin)
-    found = Losses(WearSettings(LAWS, step=step), [(stand.wheels[0], idle)], [np.array([WAY])])
-    found.store(0, 0, [solved(stand.wheels[0]), solved(idle)])
-    return found, contact.wear_number
+    lost = Losses(WearSettings(LAWS, step=step), [(stand.wheels[0], idle)], [np.array([WAY])])
+    lost.store(0, 0, [solved(stand.wheels[0]), solved(idle)])
+    return lost, contact.wear_number
 
 
-def mass(found: Losses) -> np.ndarray:
+def mass(lost: Losses) -> np.ndarray:
     """Of the wheel, by law [kg/m]."""
-    return found.channels()["wear_wheel_mass"][:, 0, 0].sum(axis=-1)
+    return lost.channels()["wear_wheel_mass"][:, 0, 0].sum(axis=-1)
 
 
 def test_usfd_has_three_branches_and_brr_the_areas_of_its_source() -> None:
@@ -73,9 +73,9 @@ def test_archard_follows_its_map_and_three_laws_agree_on_mild_wear() -> None:
 @pytest.mark.parametrize("choices", [{"strips": 20}, {"strips": 40}, {"cells": 40}, {"tangential": "polach"}])
 def test_mild_wear_is_a_rate_times_t_gamma_whatever_the_strips(choices: dict) -> None:
     """Below 10.4 N/mm2 everywhere USFD gives 5.3e-9 kg per metre and newton: .53 mg per metre at 100 N."""
-    found, wear = losses(3.0, **choices)
+    lost, wear = losses(3.0, **choices)
     assert wear > 5.0
-    by_law = mass(found)
+    by_law = mass(lost)
     assert by_law[0] == pytest.approx(5.3e-9 * wear, rel=1e-12)
     assert by_law[2] == pytest.approx(float(brr(wear)), rel=1e-12)
 
@@ -83,9 +83,9 @@ def test_mild_wear_is_a_rate_times_t_gamma_whatever_the_strips(choices: dict) ->
 def test_severe_wear_is_the_area_of_its_rate_and_losses_converge_in_strips_and_parts() -> None:
     """Where every strip slides at 10.4 to 77.2 N/mm2 the loss is 55e-3 kg per metre and square metre; the edges, where
     the pressure falls, stay below."""
-    found, wear = losses(60.0)
-    area = found._samples["lobes"].view(LOBE)[0]["area"].sum()
-    by_law = mass(found)
+    lost, wear = losses(60.0)
+    area = lost._samples["lobes"].view(LOBE)[0]["area"].sum()
+    by_law = mass(lost)
     assert 0.8 * 55e-3 * area < by_law[0] < 55e-3 * area
     assert by_law[0] < 5.3e-9 * wear
     # where all laws are in more than one branch
@@ -96,14 +96,14 @@ def test_severe_wear_is_the_area_of_its_rate_and_losses_converge_in_strips_and_p
 @pytest.mark.parametrize("step", [0.1e-3, 0.25e-3, 1e-3])
 def test_mass_off_the_profiles_is_mass_lost(step: float) -> None:
     """Depth times ring and width of the places, and the same of the rail; wheel and rail lose the same."""
-    found, wear = losses(20.0, lateral_mm=5.0, step=step)
-    channels, places = found.channels(), found.of_wheels[0][0]
-    model = found.wheels[0][0].model
+    lost, wear = losses(20.0, lateral_mm=5.0, step=step)
+    channels, places = lost.channels(), lost.of_wheels[0][0]
+    model = lost.wheels[0][0].model
     ring = 2.0 * pi * (model.radius - places.w) * places.width
     off_wheel = (channels["wear_wheel_depth"][:, 0, 0, : ring.size] * ring * DENSITY).sum(axis=-1)
-    off_rail = channels["wear_rail_depth"][:, 0].sum(axis=-1) * found.of_rails[0].width * DENSITY
-    np.testing.assert_allclose(off_wheel, mass(found), rtol=1e-12)
-    np.testing.assert_allclose(off_rail, mass(found), rtol=1e-12)
+    off_rail = channels["wear_rail_depth"][:, 0].sum(axis=-1) * lost.of_rails[0].width * DENSITY
+    np.testing.assert_allclose(off_wheel, mass(lost), rtol=1e-12)
+    np.testing.assert_allclose(off_rail, mass(lost), rtol=1e-12)
     energy = np.nansum(channels["wear_wheel_energy"][0, 0]) * places.width
     assert energy == pytest.approx(wear, rel=1e-12)
 
@@ -118,10 +118,10 @@ def test_what_the_flange_loses_is_told_apart() -> None:
 
 def test_wear_lies_where_the_contact_is() -> None:
     """What is worn off lies within the patches on both profiles, to the width of the places."""
-    found, _ = losses(5.0)
-    lobes = found._samples["lobes"].view(LOBE)[0, : found._samples["count"][0]]
-    channels = found.channels()
-    model = found.wheels[0][0].model
+    lost, _ = losses(5.0)
+    lobes = lost._samples["lobes"].view(LOBE)[0, : lost._samples["count"][0]]
+    channels = lost.channels()
+    model = lost.wheels[0][0].model
     for name, profile, arc, depth in (
         ("wheel", model.wheel, lobes["arc_wheel"], channels["wear_wheel_depth"][0, 0, 0]),
         ("rail", model.rail, lobes["arc_rail"], channels["wear_rail_depth"][0, 0]),
@@ -138,9 +138,9 @@ def test_a_right_wheel_of_another_wheelset_loses_what_its_mirror_image_does() ->
     stand, still = (bench(pair_model(PAIR, **choices), sides=(-1,)) for _ in range(2))
     settle(stand, 0.0, -20e-3, 80e3)
     (right,), (idle,) = stand.wheels, still.wheels
-    found = Losses(WearSettings(LAWS), [(idle, idle), (idle, right)], [np.array([WAY])] * 2)
-    found.store(1, 0, [solved(idle), solved(right)])
-    lost = found.channels()["wear_wheel_mass"].sum(axis=-1)
+    recorded = Losses(WearSettings(LAWS), [(idle, idle), (idle, right)], [np.array([WAY])] * 2)
+    recorded.store(1, 0, [solved(idle), solved(right)])
+    lost = recorded.channels()["wear_wheel_mass"].sum(axis=-1)
     np.testing.assert_allclose(lost[:, 1, 1], mass(losses(20.0)[0]), rtol=1e-6)
     assert (np.delete(lost.reshape(3, 4), 3, axis=1) == 0.0).all()
 
@@ -170,9 +170,9 @@ def test_a_strip_slides_behind_its_zone_of_adhesion() -> None:
 
 
 def test_damage_rises_to_its_peak_and_fatigue_begins_at_the_limit_of_the_shakedown_map() -> None:
-    found = damage([0.0, 15.0, 40.0, 65.0, 120.0, 175.0, 275.0])
-    np.testing.assert_allclose(found, [0.0, 0.0, 5e-6, 1e-5, 5e-6, 0.0, -100.0 * 1e-5 / 110.0], atol=1e-20)
-    assert (found[-1] - found[-2]) / 100.0 == pytest.approx(-9.09e-8, rel=1e-3)
+    damages = damage([0.0, 15.0, 40.0, 65.0, 120.0, 175.0, 275.0])
+    np.testing.assert_allclose(damages, [0.0, 0.0, 5e-6, 1e-5, 5e-6, 0.0, -100.0 * 1e-5 / 110.0], atol=1e-20)
+    assert (damages[-1] - damages[-2]) / 100.0 == pytest.approx(-9.09e-8, rel=1e-3)
     # in a Hertzian patch p0 = 3 N / (2 A); the limit is p0 / k = 1 / mu
     k, p0, area = 300e6, 1200e6, 1e-4
     normal = p0 * area / 1.5

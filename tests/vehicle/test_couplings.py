@@ -63,15 +63,15 @@ def motion(law: VehicleOnTrack, speeds: tuple[float, ...], duration: float, step
     return Integration(system, duration=duration, step=step, integrator="rk44", weight=MASS * 9.81).run(q, q_t)
 
 
-def speeds_of(found: Motion, wagons: int = 2) -> np.ndarray:
+def speeds_of(moved: Motion, wagons: int = 2) -> np.ndarray:
     """Longitudinal velocities (samples, wagons) [m/s]."""
-    return np.stack([found.q_t[:, 6 * (1 + k) + 1] for k in range(wagons)], axis=1)
+    return np.stack([moved.q_t[:, 6 * (1 + k) + 1] for k in range(wagons)], axis=1)
 
 
-def forces_of(found: Motion, law: VehicleOnTrack) -> np.ndarray:
+def forces_of(moved: Motion, law: VehicleOnTrack) -> np.ndarray:
     """Tension of every element at every sample (samples, elements) [N]."""
     out, forces = np.zeros(law.size), []
-    for t, q, q_t in zip(found.times, found.q, found.q_t, strict=True):
+    for t, q, q_t in zip(moved.times, moved.q, moved.q_t, strict=True):
         law(t, q, q_t, out)
         forces.append(law.records[:, 0].copy())
     return np.array(forces)
@@ -84,17 +84,17 @@ def test_the_impact_of_two_wagons_is_that_of_two_masses_and_a_spring(second: flo
     law = on_springs(wagons(screw(gap_mm=1e3 * gap, slack_mm=300.0), (MASS, second)))
     reduced = MASS * second / (MASS + second)
     lasts = np.pi * np.sqrt(reduced / STIFF)
-    found = motion(law, (0.0, v), gap / v + lasts + 0.05)
-    force = -forces_of(found, law).sum(axis=1)
+    moved = motion(law, (0.0, v), gap / v + lasts + 0.05)
+    force = -forces_of(moved, law).sum(axis=1)
     touching = force > 0.0
-    assert not touching[found.times < gap / v - 1e-9].any()
+    assert not touching[moved.times < gap / v - 1e-9].any()
     assert force.max() == pytest.approx(v * np.sqrt(STIFF * reduced), rel=1e-4)
-    assert touching.sum() * found.step == pytest.approx(lasts, abs=2.0 * found.step)
-    own = speeds_of(found)
-    momentum = own @ (MASS, second)
+    assert touching.sum() * moved.step == pytest.approx(lasts, abs=2.0 * moved.step)
+    speeds = speeds_of(moved)
+    momentum = speeds @ (MASS, second)
     assert np.abs(momentum - momentum[0]).max() < 1e-9 * momentum[0]
     together = second * v / (MASS + second)
-    np.testing.assert_allclose(own[-1], [2.0 * together, 2.0 * together - v], atol=1e-4)
+    np.testing.assert_allclose(speeds[-1], [2.0 * together, 2.0 * together - v], atol=1e-4)
 
 
 def test_friction_in_the_buffers_takes_the_area_of_their_loop() -> None:
@@ -103,18 +103,20 @@ def test_friction_in_the_buffers_takes_the_area_of_their_loop() -> None:
     share, v = 0.3, 1.0
     buffers = BUFFERS | {"friction_share": share, "friction_travel_mm": 0.2}
     law = on_springs(wagons(screw(buffers=buffers, slack_mm=300.0)))
-    found = motion(law, (0.0, v), 0.6, 1e-4)
-    own = speeds_of(found)
-    assert own[-1, 0] - own[-1, 1] == pytest.approx(v * np.sqrt((1.0 - share) / (1.0 + share)), rel=5e-3)
-    forces, stroke = forces_of(found, law), found.q[:, 6 * 2 + 1] - found.q[:, 6 + 1] + LENGTH
+    moved = motion(law, (0.0, v), 0.6, 1e-4)
+    speeds = speeds_of(moved)
+    assert speeds[-1, 0] - speeds[-1, 1] == pytest.approx(v * np.sqrt((1.0 - share) / (1.0 + share)), rel=5e-3)
+    forces, stroke = forces_of(moved, law), moved.q[:, 6 * 2 + 1] - moved.q[:, 6 + 1] + LENGTH
     loop = np.trapezoid(-forces.sum(axis=1), stroke)
-    lost = 0.5 * MASS * (v**2 - (own[-1] ** 2).sum())
+    lost = 0.5 * MASS * (v**2 - (speeds[-1] ** 2).sum())
     assert loop == pytest.approx(lost, rel=1e-4)
     assert -forces.sum(axis=1).max() == pytest.approx(0.0, abs=1.0)  # nothing pulls
     inward = np.argmax(stroke)
-    at = stroke[: inward - 5 : 20] > 0.02
+    compressed = stroke[: inward - 5 : 20] > 0.02
     np.testing.assert_allclose(
-        -forces.sum(axis=1)[: inward - 5 : 20][at], (1.0 + share) * STIFF * stroke[: inward - 5 : 20][at], rtol=1e-3
+        -forces.sum(axis=1)[: inward - 5 : 20][compressed],
+        (1.0 + share) * STIFF * stroke[: inward - 5 : 20][compressed],
+        rtol=1e-3,
     )
 
 
@@ -130,9 +132,9 @@ def test_slack_gives_no_force_until_it_is_used(kind: str) -> None:
         coupling = CentreCouplerTable.model_validate(values | {"draw": gear, "buff": gear})
         free = 0.5 * slack  # it stands in the middle
     law = on_springs(wagons(coupling))
-    found = motion(law, (drift, 0.0), free / drift + 0.2)
-    force = forces_of(found, law)[:, 2]
-    apart = found.q[:, 6 + 1] - found.q[:, 6 * 2 + 1] - LENGTH - coupling.gap
+    moved = motion(law, (drift, 0.0), free / drift + 0.2)
+    force = forces_of(moved, law)[:, 2]
+    apart = moved.q[:, 6 + 1] - moved.q[:, 6 * 2 + 1] - LENGTH - coupling.gap
     inside = apart < free - 1e-9
     assert inside.sum() > 100
     assert np.abs(force[inside]).max() == 0.0
@@ -150,14 +152,14 @@ def test_every_coupling_carries_the_masses_behind_it_times_the_acceleration() ->
     pull = 60e3
     rising = Load("pull", "wagon0", (0.0, 0.0, HEIGHT), ((0.0, 0.0, 0.0, 0.0), (4.0, pull, 0.0, 0.0)))
     law = on_springs(replace(train, loads=(rising,)))
-    found = motion(law, (), 7.0, 1e-3)
-    late = found.times > 6.0
-    tension = forces_of(found, law)[late]
+    moved = motion(law, (), 7.0, 1e-3)
+    late = moved.times > 6.0
+    tension = forces_of(moved, law)[late]
     names = [element.name for element in law.vehicle.elements]
     for k in range(3):
-        own = [i for i, name in enumerate(names) if name.startswith(f"{k}-{k + 1} ")]
+        coupled = [i for i, name in enumerate(names) if name.startswith(f"{k}-{k + 1} ")]
         expected = pull * sum(masses[k + 1 :]) / sum(masses)
-        assert tension[:, own].sum(axis=1).mean() == pytest.approx(expected, rel=2e-3)
+        assert tension[:, coupled].sum(axis=1).mean() == pytest.approx(expected, rel=2e-3)
 
 
 def test_couplings_keep_momentum_and_angular_momentum() -> None:
@@ -177,7 +179,7 @@ def test_derivatives_of_a_train_are_taken_vehicle_by_vehicle(model: str) -> None
     """Vehicles act on their neighbours alone: those that lie three apart are changed at once."""
     law = on_springs(coaches(5, model))
     q, q_t = displaced(law)
-    size = max(len(own) for own in law.coordinates_of_units())
+    size = max(len(coordinates) for coordinates in law.coordinates_of_units())
     assert len(law.blocks()[0].groups) == 3 * size < law.size
     for by in ((1.0, 0.0), (0.3, 1.0)):
         grouped = force_derivative(law, q, q_t, len(law.bodies), 0.0, *by)
@@ -190,10 +192,10 @@ def test_derivatives_of_a_train_are_taken_vehicle_by_vehicle(model: str) -> None
 def test_at_rest_a_tight_coupling_pulls_as_its_buffers_push() -> None:
     law = on_springs(coaches(2))
     law(0.0, *design_state(law), np.zeros(law.size))
-    found = {e.name: r[0] for e, r in zip(law.vehicle.elements, law.records, strict=True)}
-    assert found["coach1-coach2 draw gear"] == pytest.approx(20e3, rel=1e-9)
+    forces = {e.name: r[0] for e, r in zip(law.vehicle.elements, law.records, strict=True)}
+    assert forces["coach1-coach2 draw gear"] == pytest.approx(20e3, rel=1e-9)
     for side in ("left", "right"):
-        assert found[f"coach1-coach2 buffer {side}"] == pytest.approx(-10e3, rel=1e-9)
+        assert forces[f"coach1-coach2 buffer {side}"] == pytest.approx(-10e3, rel=1e-9)
 
 
 def test_a_stroke_that_is_used_up_is_an_event() -> None:
@@ -223,8 +225,8 @@ def turned(law: VehicleOnTrack, moved: float, lateral: float, yaw: float) -> dic
     out = np.zeros(law.size)
     with law.relaxed_dampers():
         law(0.0, q, q_t, out)
-    found = {e.name: r.copy() for e, r in zip(law.vehicle.elements, law.records, strict=True)}
-    return found | {"on": out[[13, 14, 15]]}
+    readings = {e.name: r.copy() for e, r in zip(law.vehicle.elements, law.records, strict=True)}
+    return readings | {"on": out[[13, 14, 15]]}
 
 
 def test_a_centre_coupler_pushes_along_its_bar() -> None:
@@ -232,27 +234,27 @@ def test_a_centre_coupler_pushes_along_its_bar() -> None:
     hinge, moved, lateral, yaw = 0.8, 0.08, 0.15, 0.02
     values = {"kind": "centre", "height_mm": 1e3 * HEIGHT, "hinge_mm": 1e3 * hinge, "draw": GEAR, "buff": GEAR}
     law = on_springs(wagons(CentreCouplerTable.model_validate(values), lateral=0.0))
-    found = turned(law, moved, lateral, yaw)
+    readings = turned(law, moved, lateral, yaw)
     arm = 0.5 * LENGTH - hinge  # from the wagon's middle to its hinge
     end = np.array([-LENGTH + moved + arm * np.cos(yaw), lateral + arm * np.sin(yaw)])
     bar = np.array([-arm, 0.0]) - end
     length = np.linalg.norm(bar)
     push = 0.5 * GEAR["stiffness_kN_per_m"] * 1e3 * (2.0 * hinge - length)  # of two gears in series
     assert push > 2e4
-    assert found["0-1 buff gear"][0] == pytest.approx(-push, rel=1e-9)
-    assert found["0-1 draw gear"][0] == 0.0
+    assert readings["0-1 buff gear"][0] == pytest.approx(-push, rel=1e-9)
+    assert readings["0-1 draw gear"][0] == 0.0
     force = -push * bar / length
-    np.testing.assert_allclose(found["on"][:2], force, rtol=1e-9)
+    np.testing.assert_allclose(readings["on"][:2], force, rtol=1e-9)
     moment = arm * (np.cos(yaw) * force[1] - np.sin(yaw) * force[0])
     rails = 1e8 * np.sin(yaw)
-    assert found["on"][2] == pytest.approx(moment - rails, rel=1e-9)
+    assert readings["on"][2] == pytest.approx(moment - rails, rel=1e-9)
 
 
 @pytest.mark.parametrize("yaw", [0.08, -0.08])
 def test_in_a_curve_the_inner_buffers_are_pressed_and_the_outer_ones_open(yaw: float) -> None:
     """Two spheres a side: their distance by hand. Turned to the left, the vehicle behind comes nearer on its right."""
     law = on_springs(wagons(screw(slack_mm=300.0), lateral=0.0))
-    found = turned(law, 0.0, -0.5 * LENGTH * np.sin(yaw), yaw)  # its end stays in the middle
+    readings = turned(law, 0.0, -0.5 * LENGTH * np.sin(yaw), yaw)  # its end stays in the middle
     radius, half = 1.5, 0.875
     strokes = {}
     for side, y in (("left", half), ("right", -half)):
@@ -262,8 +264,8 @@ def test_in_a_curve_the_inner_buffers_are_pressed_and_the_outer_ones_open(yaw: f
         ahead = np.array([-0.5 * LENGTH + radius, y])
         strokes[side] = 2.0 * radius - np.linalg.norm(ahead - behind)
         force = 0.5 * STIFF * max(strokes[side], 0.0)
-        assert found[f"0-1 buffer {side}"][0] == pytest.approx(-force, rel=1e-9)
-        assert found[f"0-1 buffer {side}"][3] == pytest.approx(-strokes[side], rel=1e-9)
+        assert readings[f"0-1 buffer {side}"][0] == pytest.approx(-force, rel=1e-9)
+        assert readings[f"0-1 buffer {side}"][3] == pytest.approx(-strokes[side], rel=1e-9)
     inner = "right" if yaw > 0.0 else "left"
     assert strokes[inner] > 0.0 > strokes["left" if inner == "right" else "right"]
     assert strokes[inner] == pytest.approx(half * abs(yaw), rel=0.25)

@@ -77,8 +77,8 @@ def test_a_beam_on_two_springs_has_the_frequencies_of_theory(stiffness: float) -
         return float(bending * b**3 * turned - 2.0 * stiffness * np.sinh(x) * np.sin(x))
 
     grid = np.linspace(0.02, 0.45, 1000)
-    found = [brentq(law, a, b) for law in (even, odd) for a, b in itertools.pairwise(grid) if law(a) * law(b) < 0.0]
-    theory = np.sort(np.array(found) ** 2 * np.sqrt(bending * LENGTH / MASS) / (2.0 * np.pi))[:4]
+    roots = [brentq(law, a, b) for law in (even, odd) for a, b in itertools.pairwise(grid) if law(a) * law(b) < 0.0]
+    theory = np.sort(np.array(roots) ** 2 * np.sqrt(bending * LENGTH / MASS) / (2.0 * np.pi))[:4]
     assert frequencies(on_two_springs(beam(), stiffness))[:4] == pytest.approx(theory, rel=5e-3)
 
 
@@ -88,12 +88,12 @@ def test_the_design_position_stays_that_of_rest_and_modes_are_slowed_by_their_sh
     vehicle = on_two_springs(modes, 2e6, 9.5)
     law = VehicleOnTrack(vehicle, on_track(manchester()).law.track, (), speed=0.0, start=50.0, drive="free")
     q, q_t = design_state(law)
-    own = slice(law.modes.start, law.modes.stop)
+    modal = slice(law.modes.start, law.modes.stop)
     law.on_bodies(0.0, q, q_t, out := np.zeros(law.size))
-    assert np.max(np.abs(out[own])) < 1e-9
-    q_t[own] = 1e-3
+    assert np.max(np.abs(out[modal])) < 1e-9
+    q_t[modal] = 1e-3
     law.on_bodies(0.0, q, q_t, out)
-    assert out[own] == pytest.approx(-2e-3 * 0.02 * 2.0 * np.pi * modes.frequencies, rel=1e-6)
+    assert out[modal] == pytest.approx(-2e-3 * 0.02 * 2.0 * np.pi * modes.frequencies, rel=1e-6)
 
 
 def test_forces_on_modes_and_bodies_have_one_potential() -> None:
@@ -103,21 +103,21 @@ def test_forces_on_modes_and_bodies_have_one_potential() -> None:
     stiffness = linearise(law, law.bodies, *design_state(law)).stiffness
     masses = np.ones(law.size)
     masses[law.modes_of(2)] = vehicle.bodies[0].modes.masses  # type: ignore[union-attr]
-    own = (masses[:, None] * stiffness)[12:, 12:]
-    assert np.max(np.abs(own - own.T)) < 1e-6 * np.max(np.abs(own))
+    modal = (masses[:, None] * stiffness)[12:, 12:]
+    assert np.max(np.abs(modal - modal.T)) < 1e-6 * np.max(np.abs(modal))
 
 
 def test_a_rotational_spring_stiffens_a_mode_by_the_square_of_its_slope() -> None:
     plain, h = on_two_springs(beam(count=1), 2e6, 9.5), 1e-4
     turning = tuple(replace(spring, turning_stiffness=(0.0, 1e6, 0.0)) for spring in plain.elements)
-    found = []
+    stiffnesses = []
     for vehicle in (plain, replace(plain, elements=turning)):
         law = VehicleOnTrack(vehicle, on_track(manchester()).law.track, (), speed=0.0, start=50.0, drive="free")
-        found.append(linearise(law, law.bodies, *design_state(law)).stiffness[law.modes.start, law.modes.start])
+        stiffnesses.append(linearise(law, law.bodies, *design_state(law)).stiffness[law.modes.start, law.modes.start])
     modes = law.attachments.modes[2]
     lower, upper = modes.shapes(np.array([(9.5 - h, 0.0, 1.8), (9.5 + h, 0.0, 1.8)]))[0, :, 2]
     slope = (upper - lower) / (2.0 * h)
-    assert modes.masses[0] * (found[1] - found[0]) == pytest.approx(4.0 * 1e6 * slope**2, rel=1e-4)
+    assert modes.masses[0] * (stiffnesses[1] - stiffnesses[0]) == pytest.approx(4.0 * 1e6 * slope**2, rel=1e-4)
 
 
 def test_an_accelerometer_feels_the_modes() -> None:
@@ -130,15 +130,17 @@ def test_an_accelerometer_feels_the_modes() -> None:
     q[law.modes.start] += 2e-3
     motion = Integration(train.system, duration=0.02, step=1e-4, weight=vehicle.weight).run(q, rest.q_t)
     end = vehicle.points[0]
-    own = law.modes_of(2)
+    modal = law.modes_of(2)
     value = law.attachments.modes[2].shapes(np.array([end.at]))[:, 0, 2]
-    height = motion.q[:, 12] - 9.5 * motion.q[:, 17] + motion.q[:, own] @ value
+    height = motion.q[:, 12] - 9.5 * motion.q[:, 17] + motion.q[:, modal] @ value
     k = 120
     seen = np.gradient(np.gradient(height, motion.times), motion.times)[k]
     law(motion.times[k], motion.q[k], motion.q_t[k], out := np.zeros(law.size))
-    found = point_accelerations(law, motion.q[k : k + 1], motion.q_t[k : k + 1], out[None], law.vehicle.points)[0, 0, 2]
-    assert abs(found) > 1.0
-    assert found == pytest.approx(seen, rel=0.02)
+    acceleration = point_accelerations(law, motion.q[k : k + 1], motion.q_t[k : k + 1], out[None], law.vehicle.points)[
+        0, 0, 2
+    ]
+    assert abs(acceleration) > 1.0
+    assert acceleration == pytest.approx(seen, rel=0.02)
 
 
 PLACES = [(x, 0.0, 1.8) for x in (-12.0, -9.5, 0.0, 9.5, 12.0)]
@@ -149,11 +151,11 @@ def write_modes(path: Path, modes: Modes, points: list[tuple[float, float, float
     """A file of modes, their shapes in another scale."""
     rows = ["mode,frequency_Hz,damping,modal_mass_kg,x_mm,y_mm,z_mm,ux,uy,uz,rx,ry,rz"]
     shapes = modes.shapes(np.array(points))
-    for k, own in enumerate(shapes):
+    for k, shape in enumerate(shapes):
         head = f"{k + 1},{modes.frequencies[k]},{modes.damping[k]},{modes.masses[k] * scale**2}"
         rows += [
-            ",".join([head, *(f"{1e3 * c}" for c in at), *(f"{scale * v}" for v in values)])
-            for at, values in zip(points, own, strict=True)
+            ",".join([head, *(f"{1e3 * c}" for c in point), *(f"{scale * v}" for v in values)])
+            for point, values in zip(points, shape, strict=True)
         ]
     path.write_text("\n".join(rows), encoding="utf-8")
 
@@ -167,31 +169,31 @@ def test_modes_of_a_file_are_those_that_it_was_made_of(tmp_path: Path) -> None:
     np.savez(tmp_path / "modes.npz", points_mm=1e3 * np.array(PLACES), shapes=shapes, **arrays)
     expected = frequencies(on_two_springs(modes, 2e6, 9.5))
     for name in ("modes.csv", "modes.npz"):
-        found = read_modes(tmp_path / name, 2.0)
-        assert frequencies(on_two_springs(found, 2e6, 9.5)) == pytest.approx(expected, rel=1e-9)
+        stored = read_modes(tmp_path / name, 2.0)
+        assert frequencies(on_two_springs(stored, 2e6, 9.5)) == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_part_turned_round_has_its_shapes_turned_round(tmp_path: Path) -> None:
     write_modes(tmp_path / "modes.csv", beam(count=2, lateral=12.0), PLACES)
     plain = read_modes(tmp_path / "modes.csv", 2.0)
     turned = replace(plain, origin=(30.0, 0.0, 0.0), signs=(-1.0, -1.0, 1.0))
-    at = np.array([[9.5, 1.0, 0.8]])
-    there = np.array([[30.0 - 9.5, -1.0, 0.8]])
-    x, y, z, a, b, c = plain.shapes(at)[:, 0].T
-    assert turned.shapes(there)[:, 0] == pytest.approx(np.stack([-x, -y, z, -a, -b, c], axis=-1), abs=1e-12)
+    point = np.array([[9.5, 1.0, 0.8]])
+    turned_point = np.array([[30.0 - 9.5, -1.0, 0.8]])
+    x, y, z, a, b, c = plain.shapes(point)[:, 0].T
+    assert turned.shapes(turned_point)[:, 0] == pytest.approx(np.stack([-x, -y, z, -a, -b, c], axis=-1), abs=1e-12)
 
 
-@pytest.mark.parametrize(("change", "words"), table("a_wrong_file_of_modes_is_refused"))
-def test_a_wrong_file_of_modes_is_refused(tmp_path: Path, change: tuple[str, str], words: str) -> None:
+@pytest.mark.parametrize(("change", "message"), table("a_wrong_file_of_modes_is_refused"))
+def test_a_wrong_file_of_modes_is_refused(tmp_path: Path, change: tuple[str, str], message: str) -> None:
     path = tmp_path / "modes.csv"
     write_modes(path, beam(count=2), PLACES)
     path.write_text(path.read_text().replace(*change, 1))
-    with pytest.raises(InputError, match=words.replace("?", r"\?")):
+    with pytest.raises(InputError, match=message.replace("?", r"\?")):
         read_modes(path, 0.5)
 
 
-@pytest.mark.parametrize(("name", "value", "words"), table("an_array_of_modes_is_refused"))
-def test_an_array_of_modes_has_the_bounds_of_the_columns(tmp_path: Path, name: str, value: Any, words: str) -> None:
+@pytest.mark.parametrize(("name", "value", "message"), table("an_array_of_modes_is_refused"))
+def test_an_array_of_modes_has_the_bounds_of_the_columns(tmp_path: Path, name: str, value: Any, message: str) -> None:
     """Its values, complex ones, more modes than a body may have."""
     modes = beam(count=2)
     arrays = {"frequency_Hz": modes.frequencies, "damping": modes.damping, "modal_mass_kg": modes.masses}
@@ -202,7 +204,7 @@ def test_an_array_of_modes_has_the_bounds_of_the_columns(tmp_path: Path, name: s
         arrays[name] = arrays[name].astype(complex if value == "complex" else float)
         arrays[name].flat[-1] = 1.0 if value == "complex" else value
     np.savez(tmp_path / "modes.npz", **arrays)
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(InputError, match=message):
         read_modes(tmp_path / "modes.npz", 0.5)
 
 
@@ -226,13 +228,13 @@ def test_modes_and_keys_of_an_elastic_body_are_checked(tmp_path: Path) -> None:
     modes = read_modes(tmp_path / "modes.csv", 0.5)
     with pytest.raises(InputError, match=r"no point of the modes lies near the attachment at x = 9500.*reach_mm = 500"):
         frequencies(on_two_springs(modes, 2e6, 9.5))
-    for text, words in (
+    for text, message in (
         ("length_mm = 24000", "first_vertical_Hz"),
         ("first_vertical_Hz = 9", "modes"),
         ('modes = "a.csv"\nlength_mm = 24000', "cannot be given with modes"),
     ):
         change = ("[bodies.body]", f"[bodies.body.flexible]\n{text}\n\n[bodies.body]")
-        assert words in fault(tmp_path, change)
+        assert message in fault(tmp_path, change)
 
 
 # Modes from the matrices of finite elements: through files, with a basis of shapes, from Exudyn's interface.
@@ -253,39 +255,39 @@ def box() -> tuple[csr_matrix, csr_matrix, np.ndarray]:
     shapes = np.concatenate([rigid, BEAM.shapes(nodes)[..., :3]]).reshape(6 + 4, -1)
     basis = np.linalg.qr(shapes.T)[0]  # with equal masses a basis that is orthogonal in them too
     rest = np.eye(shapes.shape[1]) - basis @ basis.T
-    own = basis[:, 6:] * (2.0 * np.pi * BEAM.frequencies)
+    scaled = basis[:, 6:] * (2.0 * np.pi * BEAM.frequencies)
     return (
-        csr_matrix(mass * (own @ own.T + (2.0 * np.pi * 500.0) ** 2 * rest)),
+        csr_matrix(mass * (scaled @ scaled.T + (2.0 * np.pi * 500.0) ** 2 * rest)),
         csr_matrix(mass * np.eye(len(rest))),
         nodes,
     )
 
 
-def as_expected(found: PointModes) -> None:
+def as_expected(modes: PointModes) -> None:
     """The frequencies of the beam, and its shapes at the points and modal masses."""
     order = np.argsort(BEAM.frequencies)
-    assert found.frequencies == pytest.approx(BEAM.frequencies[order], rel=1e-6)
+    assert modes.frequencies == pytest.approx(BEAM.frequencies[order], rel=1e-6)
     theory = BEAM.shapes(POINTS)[order]
     largest = np.abs(theory[..., :3]).max(axis=(1, 2))
     theory /= largest[:, None, None]
-    sign = np.sign(np.sum(theory * found.values, axis=(1, 2)))[:, None, None]
-    assert sign * found.values == pytest.approx(theory, rel=0.03, abs=0.01)
-    for part in found.masses / BEAM.masses[order] * largest**2:
+    sign = np.sign(np.sum(theory * modes.values, axis=(1, 2)))[:, None, None]
+    assert sign * modes.values == pytest.approx(theory, rel=0.03, abs=0.01)
+    for part in modes.masses / BEAM.masses[order] * largest**2:
         assert part == pytest.approx(1.0, rel=0.05)  # sections 0.6 m wide turn
 
 
 def test_modes_of_matrices_are_those_of_the_body_they_describe(tmp_path: Path) -> None:
     """From memory, from Matrix Market files, and back through the file that a vehicle names."""
     stiffness, mass, nodes = box()
-    found = free_modes(stiffness, mass, nodes, POINTS, count=4, radius=0.1)
-    as_expected(found)
+    modes = free_modes(stiffness, mass, nodes, POINTS, count=4, radius=0.1)
+    as_expected(modes)
     mmwrite(tmp_path / "K.mtx", stiffness)
     mmwrite(tmp_path / "M.mtx", mass)
     as_expected(free_modes(tmp_path / "K.mtx", str(tmp_path / "M.mtx"), nodes, POINTS, count=4, radius=0.1))
-    again = read_modes(found.save(tmp_path / "modes.npz"), 0.5)
-    assert again.values == pytest.approx(found.values)
+    again = read_modes(modes.save(tmp_path / "modes.npz"), 0.5)
+    assert again.values == pytest.approx(modes.values)
     with pytest.raises(InputError, match="exists already"):
-        found.save(tmp_path / "modes.npz")
+        modes.save(tmp_path / "modes.npz")
 
 
 @pytest.mark.parametrize("excluded", [None, True, False])
@@ -297,7 +299,7 @@ def test_modes_of_exudyns_interface_are_found_within_its_basis(excluded: bool | 
     if excluded is None:
         fem.ComputeEigenmodes(12, excludeRigidBodyModes=0, useSparseSolver=True)
     else:
-        ends = [np.flatnonzero(nodes[:, 0] == at) for at in (nodes[:, 0].min(), nodes[:, 0].max())]
+        ends = [np.flatnonzero(nodes[:, 0] == end) for end in (nodes[:, 0].min(), nodes[:, 0].max())]
         fem.ComputeHurtyCraigBamptonModes(ends, 12, excludeRigidBodyMotion=excluded)
     matrices = fem.GetStiffnessMatrix(), fem.GetMassMatrix(), fem.GetNodePositionsAsArray()
     as_expected(free_modes(*matrices, POINTS, count=4, radius=0.1, basis=fem.modeBasis["matrix"]))
@@ -313,7 +315,7 @@ def huge(folder: Path, size: int) -> Path:
 def test_matrices_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     stiffness, mass, nodes = box()
     held = stiffness + csr_matrix(np.diag(np.where(np.arange(stiffness.shape[0]) < 30, 1e6, 0.0)))
-    for given, words in (
+    for arguments, message in (
         ((stiffness, mass, nodes[1:], POINTS), "allowed: "),
         ((held, mass, nodes, POINTS), "not those of a free body"),
         ((stiffness, mass, nodes, [[0.0, 0.0, 5.0]]), "0 nodes within radius"),
@@ -321,8 +323,8 @@ def test_matrices_that_do_not_fit_are_refused(tmp_path: Path) -> None:
         ((huge(tmp_path, 10**6), mass, nodes, POINTS), r"stiffness: has the shape \(1000000, 1000000\)"),
         ((huge(tmp_path, stiffness.shape[0]), mass, nodes, POINTS), "too short for 900000000000000000 numbers"),
     ):
-        with pytest.raises(InputError, match=words):
-            free_modes(*given, count=4)
+        with pytest.raises(InputError, match=message):
+            free_modes(*arguments, count=4)
     with pytest.raises(InputError, match="count = 0"):
         free_modes(stiffness, mass, nodes, POINTS, count=0)
 
@@ -351,8 +353,8 @@ def test_a_shaft_with_discs_at_its_ends_has_the_frequencies_of_theory() -> None:
         return float(turned + 2.0 * heavy / mass * b * np.sinh(x) * np.sin(x))
 
     grid = np.linspace(0.2, 4.0, 1000)
-    found = [brentq(law, a, b) for law in (even, odd) for a, b in itertools.pairwise(grid) if law(a) * law(b) < 0.0]
-    theory = np.sort(found)[:4] ** 2 * np.sqrt(stiffness / mass) / (2.0 * np.pi)
+    roots = [brentq(law, a, b) for law in (even, odd) for a, b in itertools.pairwise(grid) if law(a) * law(b) < 0.0]
+    theory = np.sort(roots)[:4] ** 2 * np.sqrt(stiffness / mass) / (2.0 * np.pi)
     assert axle.modes(()).frequencies[:4] == pytest.approx(theory, rel=5e-3)
 
 
@@ -390,13 +392,13 @@ def test_a_stepped_shaft_has_the_frequencies_of_theory() -> None:
         return float(np.linalg.det(np.array([p, q, r, s]).T / np.array([1.0, a, soft * a**2, soft * a**3])[:, None]))
 
     grid = np.linspace(10.0, 3000.0, 1500)
-    found = [
+    roots = [
         brentq(determinant, lo, hi, args=(even,))
         for even in (True, False)
         for lo, hi in itertools.pairwise(grid)
         if determinant(lo, even) * determinant(hi, even) < 0.0
     ]
-    theory = np.sort(found)[:4] / (2.0 * np.pi)
+    theory = np.sort(roots)[:4] / (2.0 * np.pi)
     assert axle.modes(()).frequencies[:4] == pytest.approx(theory, rel=5e-3)
 
 
@@ -418,17 +420,17 @@ def test_discs_on_a_light_shaft_whirl_as_theory_says(spin: float) -> None:
 
 def test_wheels_shaft_and_discs_make_up_the_wheelset() -> None:
     mass, spin, across, half = 1813.0, 112.0, 1120.0, 0.75
-    own, wheels = AXLE.inertia(), AXLE.wheels(mass, spin, across, half)
-    assert own[0] + sum(w.mass for w in wheels) == pytest.approx(mass)
-    assert own[1] + sum(w.polar for w in wheels) == pytest.approx(spin)
-    assert own[2] + sum(w.across + w.mass * half**2 for w in wheels) == pytest.approx(across)
+    shaft, wheels = AXLE.inertia(), AXLE.wheels(mass, spin, across, half)
+    assert shaft[0] + sum(w.mass for w in wheels) == pytest.approx(mass)
+    assert shaft[1] + sum(w.polar for w in wheels) == pytest.approx(spin)
+    assert shaft[2] + sum(w.across + w.mass * half**2 for w in wheels) == pytest.approx(across)
     with pytest.raises(InputError, match="leave a wheel the mass"):
         AXLE.wheels(300.0, spin, across, half)
 
 
 def elastic(axle: Axle = AXLE) -> Vehicle:
     """A coach on elastic axles."""
-    return shipped("manchester_1").with_wheelsets(lambda own: replace(own, axle=axle))
+    return shipped("manchester_1").with_wheelsets(lambda wheelset: replace(wheelset, axle=axle))
 
 
 def test_an_axle_bends_under_its_load_as_a_beam_does() -> None:
@@ -437,23 +439,23 @@ def test_an_axle_bends_under_its_load_as_a_beam_does() -> None:
     axle = Axle(((2.3, 0.16),), count=6)
     vehicle = elastic(axle)
     law = on_track(vehicle).law
-    found = steady_state(law)
+    rest = steady_state(law)
     half = 0.5 * vehicle.wheelsets[0].wheelset.profile_spacing
     ends = [abs(e.points[1][1]) for e in vehicle.elements if e.second == vehicle.wheelsets[0].name]
     outside = max(ends)
-    own = law.modes_of(0)
+    modal = law.modes_of(0)
     turn = law.attachments.modes[0].shapes(np.array([(0.0, half, 0.0)]))[:, 0, 3]
-    leaning = float(found.q[own] @ turn)
+    leaning = float(rest.q[modal] @ turn)
     load = 0.5 * (law.wheels[0][0].model.arrays.total.Fb + law.wheels[0][1].model.arrays.total.Fb)
     load -= 0.5 * vehicle.wheelsets[0].mass * vehicle.gravity
     stiffness, _ = bending(axle, 0.16)
     assert leaning == pytest.approx(-load * (outside - half) * half / stiffness, rel=0.03)
     forces = np.array([[[wheel.model.arrays.total.Fb for wheel in pair] for pair in law.wheels]])
     forces[0, 2, 1] += 1.0
-    motion = Motion(np.zeros(1), found.q[None], found.q_t[None], 0.0, "completed")
+    motion = Motion(np.zeros(1), rest.q[None], rest.q_t[None], 0.0, "completed")
     place = np.arange(4.0)[None]
-    shape, at = bent_channels(law, motion, {"Q": forces, "wheelset_distance": place})
-    assert (at["bent_by"], at["bent_at_m"]) == (f"{vehicle.wheelsets[2].name} right", 2.0)
+    shape, bend_attributes = bent_channels(law, motion, {"Q": forces, "wheelset_distance": place})
+    assert (bend_attributes["bent_by"], bend_attributes["bent_at_m"]) == (f"{vehicle.wheelsets[2].name} right", 2.0)
     y, up = shape["bent_axle_y"][0], shape["bent_axle_z"][0]
     hog = up[len(y) // 2] - np.interp(half, y, up)
     assert hog == pytest.approx(load * (outside - half) * (2.0 * half) ** 2 / (8.0 * stiffness), rel=0.03)
@@ -478,51 +480,51 @@ def test_an_axle_without_deformation_is_a_rigid_one() -> None:
 
 def test_contacts_give_an_elastic_axle_the_power_that_they_have_at_its_wheels() -> None:
     """Bent, deforming and rolling: forces on coordinates times rates, and forces on wheels times their motions."""
-    wheelset = shipped("wheelset_s1002").with_wheelsets(lambda own: replace(own, axle=AXLE))
+    wheelset = shipped("wheelset_s1002").with_wheelsets(lambda rigid: replace(rigid, axle=AXLE))
     law = on_track(wheelset, 20.0).law
     q, q_t = design_state(law, lateral=2e-3)
     q[0] -= 2e-4
     q[3] += 3e-3
-    own = law.modes_of(0)
-    q[own], q_t[own] = 2e-4 * np.cos(np.arange(8.0)), 0.05 * np.sin(1.0 + np.arange(8.0))
+    modal = law.modes_of(0)
+    q[modal], q_t[modal] = 2e-4 * np.cos(np.arange(8.0)), 0.05 * np.sin(1.0 + np.arange(8.0))
     law(0.0, q, q_t, whole := np.zeros(law.size))
     law.on_bodies(0.0, q, q_t, without := np.zeros(law.size))
     forces = whole - without
-    forces[own] *= law.attachments.modes[0].masses
-    found = 0.0
+    forces[modal] *= law.attachments.modes[0].masses
+    power = 0.0
     for wheel in law.wheel_records(0):
         for force, rate in ((wheel.force, wheel.body.velocity), (wheel.moment, wheel.body.omega)):
-            found += sum(float(force[axis] * rate[axis]) for axis in "xyz")
-    assert abs(found) > 1e3
-    assert forces @ q_t == pytest.approx(found, rel=1e-4, abs=1.0)
+            power += sum(float(force[axis] * rate[axis]) for axis in "xyz")
+    assert abs(power) > 1e3
+    assert forces @ q_t == pytest.approx(power, rel=1e-4, abs=1.0)
 
 
 def test_gyroscopic_forces_on_an_axle_do_no_work() -> None:
     """The part of the damping that grows with the speed is antisymmetric, with the modal masses."""
-    wheelset = shipped("wheelset_s1002").with_wheelsets(lambda own: replace(own, axle=AXLE))
+    wheelset = shipped("wheelset_s1002").with_wheelsets(lambda rigid: replace(rigid, axle=AXLE))
     masses = np.ones(6 + 8)
-    found = []
+    dampings = []
     for speed in (1.0, 60.0):
         law = on_track(wheelset, speed).law
         masses[6:] = law.attachments.modes[0].masses
         q, q_t = design_state(law)
         blocks = law.blocks()[:1]  # without contacts
         law.blocks = lambda only=blocks: only  # type: ignore[method-assign, misc]
-        found.append(masses[:, None] * force_derivative(law, q, q_t, 1, by_q=0.0, by_q_t=1.0))
-    grown = found[1] - found[0]
-    own = np.delete(np.delete(grown, [0, 1, 2, 5], 0), [0, 1, 2, 5], 1)
-    assert np.max(np.abs(own)) > 1e3
-    assert np.max(np.abs(own + own.T)) < 1e-6 * np.max(np.abs(own))
+        dampings.append(masses[:, None] * force_derivative(law, q, q_t, 1, by_q=0.0, by_q_t=1.0))
+    grown = dampings[1] - dampings[0]
+    bending_part = np.delete(np.delete(grown, [0, 1, 2, 5], 0), [0, 1, 2, 5], 1)
+    assert np.max(np.abs(bending_part)) > 1e3
+    assert np.max(np.abs(bending_part + bending_part.T)) < 1e-6 * np.max(np.abs(bending_part))
 
 
 def test_keys_of_an_axle_are_checked_and_the_exact_solver_takes_none(tmp_path: Path) -> None:
-    for text, words in (
+    for text, message in (
         ("sections_mm = []", "sections_mm"),
         ("sections_mm = [[2200, 160, 3]]", "two numbers"),
         ("sections_mm = [[2200, 600]]", "leave a wheel the mass"),
     ):
         change = ("[bodies.body]", f"[wheelset.axle]\n{text}\n\n[bodies.body]")
-        assert words in fault(tmp_path, change)
+        assert message in fault(tmp_path, change)
     with pytest.raises(InputError, match=r"contact.normal.*cannot be \"half-space\" with elastic axles"):
         build(
             load(ROOT / "scenarios/manchester_r300.toml").with_values(
@@ -533,10 +535,10 @@ def test_keys_of_an_axle_are_checked_and_the_exact_solver_takes_none(tmp_path: P
 
 def test_campbells_diagram_splits_every_mode_of_every_kind_of_axle_once(tmp_path: Path) -> None:
     coach, picture = elastic(), tmp_path / "campbell.png"
-    found = stationary(coach, campbell=picture).numbers["axles"]
-    assert [own["wheelset"] for own in found] == [coach.wheelsets[0].name]
+    axles = stationary(coach, campbell=picture).numbers["axles"]
+    assert [row["wheelset"] for row in axles] == [coach.wheelsets[0].name]
     assert picture.exists()
-    backward, forward = np.array(found[0]["backward_Hz"]), np.array(found[0]["forward_Hz"])
+    backward, forward = np.array(axles[0]["backward_Hz"]), np.array(axles[0]["forward_Hz"])
     assert forward[0] == pytest.approx(backward[0], rel=1e-4)
     assert np.all(np.diff(forward[:, :2], axis=0) > 0.0) and np.all(np.diff(backward[:, :2], axis=0) < 0.0)
     with pytest.raises(InputError, match="this vehicle has none"):

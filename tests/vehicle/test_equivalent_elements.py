@@ -47,8 +47,8 @@ def swings(law: Any, place: int, reach: float) -> list[tuple[float, float]]:
     q, q_t = design_state(law)
     middle = q[place]
     q[place] += reach
-    found = motion(law, q, law.relaxed_rates(q, q_t), 1.4, 5e-4, "rk44")
-    x = found.q[:, place] - middle
+    swung = motion(law, q, law.relaxed_rates(q, q_t), 1.4, 5e-4, "rk44")
+    x = swung.q[:, place] - middle
     turns = np.flatnonzero(np.diff(np.sign(np.diff(x)))) + 1
     levels = [0.5 * (x[a] + x[b]) for a, b in pairwise(turns)]
     result = []
@@ -57,7 +57,7 @@ def swings(law: Any, place: int, reach: float) -> list[tuple[float, float]]:
         for a, b, level in ((turns[k], turns[k + 1], levels[k]), (turns[k + 1], turns[k + 2], levels[k + 1])):
             part = slice(a, b + 1)
             order = np.argsort(x[part])
-            passages.append(np.interp(level, x[part][order], found.times[part][order]))
+            passages.append(np.interp(level, x[part][order], swung.times[part][order]))
         result.append((0.5 / (passages[1] - passages[0]), abs(x[turns[k + 1]] - 0.5 * (levels[k] + levels[k + 1]))))
     return result
 
@@ -92,9 +92,9 @@ def test_no_orifice_is_stiffer_than_both_springs_or_softer_than_the_slow_one(exp
     for amplitude in np.geomspace(1e-6, 1.0, 7):
         modes = natural_modes(vehicle, Stroke(float(amplitude), 1.7))
         frequencies += [m.frequency for m in modes if m.name == "box vertical"]
-    slow, both = (np.sqrt(k / boxes.MASS) / (2.0 * np.pi) for k in (4e5, 9e5))
+    slow, stiff = (np.sqrt(k / boxes.MASS) / (2.0 * np.pi) for k in (4e5, 9e5))
     assert len(frequencies) == 7
-    assert slow * (1.0 - 1e-6) < min(frequencies) <= max(frequencies) < both * (1.0 + 1e-6)
+    assert slow * (1.0 - 1e-6) < min(frequencies) <= max(frequencies) < stiff * (1.0 + 1e-6)
     assert np.all(np.diff(frequencies) > -1e-9)
 
 

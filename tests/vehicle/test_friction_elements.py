@@ -59,11 +59,11 @@ def test_a_block_on_a_slope_stays_below_the_angle_of_friction_and_slides_above_i
             q[6 + 1] += x
             q_t = law.relaxed_rates(q, q_t)
             assert abs(accelerations(law, q, q_t)[6 + 1]) < 1e-9 * along
-            found = motion(law, q, q_t, 1.0, 1e-3, integrator)
-            assert np.abs(found.q[:, 6 + 1] - q[6 + 1]).max() < 1e-9
+            moved = motion(law, q, q_t, 1.0, 1e-3, integrator)
+            assert np.abs(moved.q[:, 6 + 1] - q[6 + 1]).max() < 1e-9
         else:
-            found = motion(law, q, q_t, 1.0, 1e-3, integrator)
-            v, t = found.q_t[:, 6 + 1], found.times
+            moved = motion(law, q, q_t, 1.0, 1e-3, integrator)
+            v, t = moved.q_t[:, 6 + 1], moved.times
             a = 9.81 * (np.sin(slope) - friction * np.cos(slope))
             late = t > 0.5
             np.testing.assert_allclose(np.gradient(v[late], t[late]), a, rtol=1e-4)
@@ -78,10 +78,10 @@ def test_the_swing_of_a_block_decays_by_the_same_length_every_period(integrator:
         rails = boxes.spring(stiffness=(k, 0.0, 4e6), turning_stiffness=(4e6, 4e6, 4e6))
         law = boxes.on_springs(boxes.box(rails, boxes.slides(force, stick)))
         q, q_t = design_state(law)
-        at = q[6 + 1]
+        rest = q[6 + 1]
         q[6 + 1] += 0.1
-        found = motion(law, q, q_t, 1.6, 1e-3, integrator)
-        x, v = found.q[:, 6 + 1] - at, found.q_t[:, 6 + 1]
+        moved = motion(law, q, q_t, 1.6, 1e-3, integrator)
+        x, v = moved.q[:, 6 + 1] - rest, moved.q_t[:, 6 + 1]
         turns = np.flatnonzero(v[1:-1] * v[2:] < 0.0) + 1
         tops = np.abs(x[turns])[:3]
         assert len(tops) == 3
@@ -103,10 +103,10 @@ def test_in_a_plane_friction_is_against_the_velocity_and_on_a_circle() -> None:
         # a push across the way bends it
         push = Load.constant("push", "box", (-2e3 * s, 2e3 * c, 0.0), boxes.AT)
         law = boxes.on_springs(replace(law.vehicle, loads=(push,)))
-        found = motion(law, q, q_t, 0.25, 5e-4, "rk44")
-        x, v = found.q[:, 7:9] - found.q[0, 7:9], found.q_t[:, 7:9]
+        moved = motion(law, q, q_t, 0.25, 5e-4, "rk44")
+        x, v = moved.q[:, 7:9] - moved.q[0, 7:9], moved.q_t[:, 7:9]
         paths.append(np.stack([c * x[:, 0] + s * x[:, 1], c * x[:, 1] - s * x[:, 0]]))
-        pull = k * (x - found.q_t[:, 12:14])
+        pull = k * (x - moved.q_t[:, 12:14])
         size = np.hypot(*pull.T)
         assert size.max() < 1.001 * force
         late = slice(200, None)
@@ -190,10 +190,10 @@ def test_the_friction_of_a_link_follows_the_load_of_its_spring() -> None:
 
 def test_what_nothing_presses_and_more_threads_than_cores_are_refused(monkeypatch) -> None:
     level = boxes.spring(name="level", stiffness=(1e6, 1e6, 0.0))
-    for of, words in (("level", "carries nothing along z at rest"), ("levle", "there is no spring 'levle'.*level")):
+    for of, message in (("level", "carries nothing along z at rest"), ("levle", "there is no spring 'levle'.*level")):
         slider = Slider("coulomb", 1e6, friction=0.3, normal=Normal(of))
         link = Strut("link", "friction", TRACK, "box", (boxes.AT, boxes.AT), 0, slider=slider)
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(InputError, match=message):
             boxes.on_springs(boxes.box(level, boxes.FIXED, link))
     with pytest.raises(InputError, match=r"threads: must be a whole number from 1 to \d+.*not 100000"):
         force_law(replace(build(load(SCENARIO).with_values(FAST)), threads=100_000))
@@ -381,9 +381,9 @@ def test_a_mass_between_two_stops_with_play_swings_with_the_time_that_it_flies()
     q, q_t = design_state(law)
     place = q[boxes.X]
     q_t[boxes.X] = speed
-    found = motion(law, q, q_t, 1.3, 2e-4, "rk44")
-    x = found.q[:, boxes.X] - place - 1e-6
-    crossings = found.times[1:][(x[:-1] < 0.0) & (x[1:] >= 0.0)]
+    moved = motion(law, q, q_t, 1.3, 2e-4, "rk44")
+    x = moved.q[:, boxes.X] - place - 1e-6
+    crossings = moved.times[1:][(x[:-1] < 0.0) & (x[1:] >= 0.0)]
     assert len(crossings) >= 3
     period = 2.0 * np.pi * np.sqrt(boxes.MASS / k) + 4.0 * play / speed
     np.testing.assert_allclose(np.diff(crossings), period, rtol=3e-3)
@@ -467,12 +467,12 @@ def test_the_bodies_of_exudyn_accelerate_as_mass_matrix_and_velocity_forces_say(
     q_t = np.array([0.0, 0.0, 0.0, 1.1, -0.7, 0.9])
     step = 1e-4
     motion = Integration(system, duration=2 * step, step=step, integrator="rk44").run(q, q_t)
-    found = (motion.q_t[2] - motion.q_t[0]) / (2 * step)
+    measured = (motion.q_t[2] - motion.q_t[0]) / (2 * step)
     out = np.zeros(6)
     twist(step, motion.q[1], motion.q_t[1], out)
     h = velocity_forces([body], motion.q[1], motion.q_t[1])
     middle = np.linalg.solve(mass_matrix([body], motion.q[1]), out - h)
-    assert np.allclose(found, middle, rtol=1e-6, atol=1e-6)
+    assert np.allclose(measured, middle, rtol=1e-6, atol=1e-6)
 
 
 # Contacts that several threads compute side by side.
@@ -482,7 +482,7 @@ SCENARIO = ROOT / "scenarios/manchester_r300.toml"
 def test_threads_change_no_bit():
     # strips start from their last answer, so that every state tells what the one before has left
     setup = build(load(SCENARIO).with_values({"contact.strips": 12, "run.start_distance_m": 70.0}))
-    found = []
+    states = []
     for threads in (1, 2):
         law = force_law(replace(setup, threads=threads))
         q, q_t = design_state(law)
@@ -492,6 +492,6 @@ def test_threads_change_no_bit():
         for _ in range(6):
             q[wheels] += 2e-5 * rng.standard_normal(q[wheels].shape)
             law(0.0, q, q_t, out)
-            found.append(out.tobytes() + law.get_state().tobytes())
-    assert found[:6] == found[6:]
-    assert len(set(found)) == 6
+            states.append(out.tobytes() + law.get_state().tobytes())
+    assert states[:6] == states[6:]
+    assert len(set(states)) == 6

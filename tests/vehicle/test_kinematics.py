@@ -249,9 +249,9 @@ def test_interpolation_converges_with_order_six_in_position_five_in_tangent_four
 
 def test_a_path_continues_straight_and_its_frame_turns_by_its_rates(spiral: Path) -> None:
     for end, sign in ((0.0, -1.0), (spiral.length, 1.0)):
-        at, beyond = spiral.frame(end), spiral.frame(end + sign * 7.0)
-        assert np.abs(beyond[0] - (at[0] + sign * 7.0 * at[1])).max() < 1e-13
-        assert np.abs(beyond[1:] - at[1:]).max() < 1e-15
+        end_frame, beyond = spiral.frame(end), spiral.frame(end + sign * 7.0)
+        assert np.abs(beyond[0] - (end_frame[0] + sign * 7.0 * end_frame[1])).max() < 1e-13
+        assert np.abs(beyond[1:] - end_frame[1:]).max() < 1e-15
         assert curvature(spiral, end + sign * 7.0) == 0.0
         assert core.frame_rates(spiral.curve, end + sign * 7.0) == ((0.0, 0.0, 0.0), 0.0)
     h = 1e-4
@@ -272,10 +272,10 @@ def test_locate_is_the_inverse_of_frame_and_does_not_care_for_the_guess(spiral: 
         + rng.uniform(-1.5, 1.5, 400)[:, None] * frame[:, 2]
         + rng.uniform(-1.0, 1.0, 400)[:, None] * frame[:, 3]
     )
-    found = locate(spiral, points, s + rng.uniform(-4.0, 4.0, 400))
-    assert np.abs(found - s).max() < 1e-12 * 400.0
+    located = locate(spiral, points, s + rng.uniform(-4.0, 4.0, 400))
+    assert np.abs(located - s).max() < 1e-12 * 400.0
     again = locate(spiral, points, s + rng.uniform(-1e-3, 1e-3, 400))
-    assert np.abs(found - again).max() < 1e-12 * 400.0
+    assert np.abs(located - again).max() < 1e-12 * 400.0
 
 
 def test_locate_says_when_it_has_no_answer(spiral: Path) -> None:

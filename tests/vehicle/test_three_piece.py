@@ -23,7 +23,9 @@ def test_the_empty_car_weighs_63_kip_on_eight_equal_wheels(car: Vehicle) -> None
 def test_preloads_carry_body_and_bolster_and_the_wedges_have_their_share(car: Vehicle) -> None:
     """A nest has a quarter of the car body and half of a bolster; its control coils 4 of 23 kip/in of that. Friction at
     the columns, 0.4 / tan(37.5 degrees) of the control coils, is then 9 % of the load of a nest."""
-    up = {e.name: float(np.atleast_1d(own.force)[-1]) for e, own in zip(car.elements, preloads(car), strict=True)}
+    up = {
+        e.name: float(np.atleast_1d(preload.force)[-1]) for e, preload in zip(car.elements, preloads(car), strict=True)
+    }
     nest = (42.6 / 4.0 + 1.9 / 2.0) * KIP
     for side in ("lead.left", "lead.right", "trail.left", "trail.right"):
         assert up[f"{side}.control coils"] == pytest.approx(4.0 / 23.0 * nest, rel=1e-6)

@@ -74,7 +74,7 @@ def along(law: VehicleOnTrack) -> Array:
 
 def about_axle(law: VehicleOnTrack) -> Array:
     """Moment of the contact about the axle, of both wheels [N m]."""
-    return np.array([np.dot(tuple(own.moment), tuple(own.body.left)) for own in law.wheel_records(0)])
+    return np.array([np.dot(tuple(record.moment), tuple(record.body.left)) for record in law.wheel_records(0)])
 
 
 @pytest.mark.parametrize("radius", [300.0, inf])
@@ -92,11 +92,11 @@ def test_independent_wheels_in_steady_motion_are_not_driven(radius):
 def test_independent_wheels_roll_at_the_speeds_of_their_rails_and_do_not_steer():
     law, q, q_t = steady(INDEPENDENT)
     spin, apart = q_t[SPIN], q_t[law.twists[0]]
-    for wheel, own, rate in zip(
+    for wheel, record, rate in zip(
         law.wheels[0], law.wheel_records(0), (spin + 0.5 * apart, spin - 0.5 * apart), strict=True
     ):
         radius = float(wheel.model.arrays.pose[6]) / rate
-        lowest = 0.46 + 1e-3 * (12.0 if own.side < 0.0 else 1.0)  # the outer wheel on the root of its flange
+        lowest = 0.46 + 1e-3 * (12.0 if record.side < 0.0 else 1.0)  # the outer wheel on the root of its flange
         assert 0.459 < radius < lowest
     assert q[law.twists[0]] == 0.0
     # a rigid wheelset off centre turns towards the middle: its wheels push lengthwise against each other
@@ -124,11 +124,11 @@ def test_independent_wheels_drift_to_a_flange_where_rigid_ones_hunt():
 
 def test_the_frame_gives_what_creep_takes_with_independent_wheels():
     law, q, q_t = steady(INDEPENDENT)
-    given = np.zeros(law.size)
-    VehicleOnTrack(law.vehicle, law.track, (), speed=15.0, start=10.0)(0.0, q, q_t, given)
+    forces = np.zeros(law.size)
+    VehicleOnTrack(law.vehicle, law.track, (), speed=15.0, start=10.0)(0.0, q, q_t, forces)
     arrays = [wheel.model.arrays for wheel in law.wheels[0]]
     dissipated = sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays)
-    assert given[:6] @ q_t[:6] == pytest.approx(dissipated, rel=5e-3)
+    assert forces[:6] @ q_t[:6] == pytest.approx(dissipated, rel=5e-3)
 
 
 def test_a_moment_on_one_wheel_turns_that_wheel_alone():
@@ -162,9 +162,9 @@ def test_an_axle_twists_as_discs_on_a_shaft_and_is_rigid_in_steady_motion():
         assert mode.damping == pytest.approx(0.5 * 100.0 * sqrt(2.0 / disc / stiffness), rel=1e-4)
     # whatever its stiffness: it winds up until both wheels turn alike
     law, q, _ = steady(Torsion(5e6))
-    other, q_other, _ = steady(RIGID)
+    rigid, q_other, _ = steady(RIGID)
     assert q[:5] == pytest.approx(q_other[:5], abs=1e-8)
-    assert along(law) == pytest.approx(along(other), rel=1e-5)
+    assert along(law) == pytest.approx(along(rigid), rel=1e-5)
     left, right = about_axle(law)
     assert abs(left - right) > 5e3
     assert 5e6 * q[law.twists[0]] == pytest.approx(0.5 * (left - right), rel=1e-6)
@@ -175,17 +175,19 @@ def into_a_curve(torsion: Torsion | None) -> xr.Dataset:
     """The leading wheelset from straight track into a curve."""
     segments = [straight(6.0), transition(10.0), arc(8.0, 300.0, 60.0)]
     setup = setup_of(segments, 15.0, LEADING, values=FAST | {"run.output_interval_ms": 10.0})
-    found = run_in_time(replace(setup, vehicle=with_axle(setup.vehicle, torsion))).dataset
-    assert found.attrs["status"] == "completed"
-    return found
+    dataset = run_in_time(replace(setup, vehicle=with_axle(setup.vehicle, torsion))).dataset
+    assert dataset.attrs["status"] == "completed"
+    return dataset
 
 
 @pytest.mark.parametrize(("torsion", "like"), [(Torsion(1e9, 1e4), RIGID), (Torsion(1.0), INDEPENDENT)])
 def test_a_stiff_axle_is_a_rigid_one_and_a_soft_one_leaves_its_wheels_alone(torsion, like):
-    ours, other = into_a_curve(torsion), into_a_curve(like)
-    assert ours["lateral_shift"].values == pytest.approx(other["lateral_shift"].values, abs=5e-6)
+    ours, limit_case = into_a_curve(torsion), into_a_curve(like)
+    assert ours["lateral_shift"].values == pytest.approx(limit_case["lateral_shift"].values, abs=5e-6)
     for name in ("X", "Y"):
-        assert ours[name].values == pytest.approx(other[name].values, abs=0.005 * float(np.abs(other["Y"]).max()))
+        assert ours[name].values == pytest.approx(
+            limit_case[name].values, abs=0.005 * float(np.abs(limit_case["Y"]).max())
+        )
 
 
 def vehicle_text(tmp_path, more: str) -> str:
@@ -200,22 +202,22 @@ def vehicle_text(tmp_path, more: str) -> str:
     ("torsional_damping_kNms_per_rad = 5", "goes with torsional_stiffness_kNm_per_rad"),
 ])  # fmt: skip
 def test_bad_axles_are_refused_with_file_and_key(tmp_path, more, said):
-    found = faults(CURVE.replace("vehicles/wheelset_s1002.toml", vehicle_text(tmp_path, more)), tmp_path)
-    assert len(found) == 1
-    assert "own.toml:" in found[0]
-    assert said in found[0]
+    messages = faults(CURVE.replace("vehicles/wheelset_s1002.toml", vehicle_text(tmp_path, more)), tmp_path)
+    assert len(messages) == 1
+    assert "own.toml:" in messages[0]
+    assert said in messages[0]
 
 
 def test_where_rigid_wheelsets_are_meant_others_are_refused(tmp_path):
-    own = vehicle_text(tmp_path, "independent_wheels = true")
-    (fault,) = faults(STATIC.replace("vehicles/wheelset_s1002.toml", own), tmp_path)
+    vehicle_file = vehicle_text(tmp_path, "independent_wheels = true")
+    (fault,) = faults(STATIC.replace("vehicles/wheelset_s1002.toml", vehicle_file), tmp_path)
     assert fault.startswith('case.toml:3: vehicle.model = "own.toml": has wheels that turn against each other')
     effort = '\n[[vehicle.efforts]]\nmoment_kNm = 1\nwheel = "left"\n'
     (fault,) = faults(CURVE + effort, tmp_path)
     assert "vehicle.efforts[0].wheel" in fault
     assert "rigid axle" in fault
     control = effort + "[vehicle.slip_control]\ncreepage = 0.1\n"
-    (fault,) = faults(CURVE.replace("vehicles/wheelset_s1002.toml", own) + control, tmp_path)
+    (fault,) = faults(CURVE.replace("vehicles/wheelset_s1002.toml", vehicle_file) + control, tmp_path)
     assert "vehicle.slip_control" in fault
 
 
@@ -225,10 +227,10 @@ BUSHING = (2e7, 9e6, 1e7)
 AXLE, FRAME, END = (0.0, 0.0, RADIUS), (0.3, 0.0, 0.7), (REACH, 0.0, RADIUS + 0.1)
 
 
-def spring(box: str, at: tuple[float, float, float], name: str = "", **values: object) -> Spring:
+def spring(box: str, place: tuple[float, float, float], name: str = "", **values: object) -> Spring:
     """From the frame to an axle box; y of the left one."""
     side = 1.0 if box.endswith("left") else -1.0
-    point = (at[0], side * Y, at[2])
+    point = (place[0], side * Y, place[2])
     return replace(Spring(f"{name} {box}", "spring", "frame", box, point), **values)  # type: ignore[arg-type]
 
 
@@ -259,19 +261,21 @@ def test_a_box_holds_along_and_across_or_pitches_with_its_axle_bridge() -> None:
     level = tuple(replace(e, at=(REACH, e.at[1], RADIUS)) for e in vehicle.elements if isinstance(e, Spring))
     frame = replace(vehicle.bodies[0], centre=(REACH, 0.0, RADIUS))
     law = on_springs(replace(vehicle, elements=level, bodies=(frame,)))
-    found = np.diag(stiffness(law))[:3]  # z, x, y at the bushings
-    assert found[0] == pytest.approx(0.0, abs=1e-6 * BUSHING[2])
-    assert found[1] == pytest.approx(2.0 * BUSHING[0], rel=1e-6)
-    assert found[2] == pytest.approx(2.0 * BUSHING[1], rel=1e-6)
+    diagonal = np.diag(stiffness(law))[:3]  # z, x, y at the bushings
+    assert diagonal[0] == pytest.approx(0.0, abs=1e-6 * BUSHING[2])
+    assert diagonal[1] == pytest.approx(2.0 * BUSHING[0], rel=1e-6)
+    assert diagonal[2] == pytest.approx(2.0 * BUSHING[1], rel=1e-6)
     # a stiffness k between both adds k (a_left - a_right) to the moment on each, of opposite signs
     k = 2e5
     bridge = Spring("bridge", "spring", "box left", "box right", AXLE, turning_stiffness=(0.0, k, 0.0))
-    found = []
+    stiffnesses = []
     for vehicle in (on_arms(), on_arms(bridge)):
         law = on_springs(vehicle)
         n = 6 * len(law.bodies)
-        found.append(linearise(law, law.bodies, *design_state(law)).stiffness[n:, n:])
-    assert INERTIA * (found[1] - found[0]) == pytest.approx(k * np.array([[1.0, -1.0], [-1.0, 1.0]]), rel=1e-6)
+        stiffnesses.append(linearise(law, law.bodies, *design_state(law)).stiffness[n:, n:])
+    assert INERTIA * (stiffnesses[1] - stiffnesses[0]) == pytest.approx(
+        k * np.array([[1.0, -1.0], [-1.0, 1.0]]), rel=1e-6
+    )
 
 
 def test_forces_on_arms_have_a_potential_at_any_displacement() -> None:
@@ -304,7 +308,7 @@ def test_the_bushing_carries_the_levers_share_of_a_spring_on_the_arm() -> None:
     vehicle = on_arms(*more)
     frame = replace(vehicle.bodies[0], centre=(0.0, 0.0, 0.7))  # its weight stands over the axle, where the arm does
     vehicle = replace(vehicle, bodies=(frame,), gravity=9.81)
-    up = {e.name: -own.force[2] for e, own in zip(vehicle.elements, preloads(vehicle), strict=True)}
+    up = {e.name: -preload.force[2] for e, preload in zip(vehicle.elements, preloads(vehicle), strict=True)}
     weight = 0.5 * MASS * vehicle.gravity
     assert up["spring box left"] == pytest.approx(weight * REACH / (REACH - lever), rel=1e-9)
     assert up["bushing box left"] == pytest.approx(weight * -lever / (REACH - lever), rel=1e-9)
@@ -318,8 +322,8 @@ def test_loads_springs_and_modes_of_arms_are_those_of_the_source() -> None:
     """68 295.994 N a wheel, 59 290.4 N a primary spring, 74 926.3 N an air spring: ORVD 4706df9."""
     vehicle = shipped("gz18")
     assert static_state(vehicle).wheel_loads == pytest.approx(np.full((4, 2), 68295.994), rel=1e-7)
-    found = {e.name: own.force for e, own in zip(vehicle.elements, preloads(vehicle), strict=True)}
-    for name, force in found.items():
+    forces = {e.name: preload.force for e, preload in zip(vehicle.elements, preloads(vehicle), strict=True)}
+    for name, force in forces.items():
         expected = 59290.4 if ".primary" in name else 74926.3 if ".air" in name else 0.0
         assert abs(force[-1]) == pytest.approx(expected, rel=1e-5, abs=1e-3), name
     assert level_of(vehicle, "front.frame") == "bogie frame"

@@ -108,24 +108,24 @@ def inserted(*names: str) -> tuple[str, str]:
     return before, "".join(TEXTS[name] for name in names) + before
 
 
-@pytest.mark.parametrize(("name", "more", "changes", "words"), BAD, ids=[row[0] for row in BAD])
-def test_a_bad_file_is_refused_with_a_clear_message(name, more, changes, words, tmp_path):
+@pytest.mark.parametrize(("name", "more", "changes", "expected"), BAD, ids=[row[0] for row in BAD])
+def test_a_bad_file_is_refused_with_a_clear_message(name, more, changes, expected, tmp_path):
     message = fault(tmp_path, inserted(*more), *changes)
-    assert words in message
+    assert expected in message
     assert message.startswith("car.toml")
 
 
 WIND = {"name": "wind", "on": "carbody", "at_mm": [0, 0, 2200], "axes": "track", "force_kN": [0, 40, 0]}
 
 
-@pytest.mark.parametrize(("scenario", "values", "words"), [
+@pytest.mark.parametrize(("scenario", "values", "message"), [
     ("static_s1002", {"vehicle.loads": [WIND]}, "loads: cannot be combined with analysis = .static.: remove it"),
     ("steady_manchester", {"vehicle.loads": [{k: v for k,
      v in WIND.items() if k != "force_kN"} | {"time_s_force_kN": [[0, 0, 0, 0], [1, 0, 1, 0]]}]},
      "vehicle.loads[0]: analysis = .steady. looks for motion that lasts: load 'wind' must be constant"),
 ])  # fmt: skip
-def test_loads_that_do_not_suit_an_analysis_are_refused(scenario: str, values: dict[str, object], words: str) -> None:
-    with pytest.raises(InputError, match=words.replace("[", r"\[").replace("]", r"\]")):
+def test_loads_that_do_not_suit_an_analysis_are_refused(scenario: str, values: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message.replace("[", r"\[").replace("]", r"\]")):
         build(load(ROOT / f"scenarios/{scenario}.toml").with_values(values))
 
 
@@ -141,9 +141,9 @@ def test_a_payload_is_part_of_its_body(tmp_path: Path) -> None:
     assert vehicle.weight == pytest.approx((12e3 + 2e3) * vehicle.gravity)
 
 
-@pytest.mark.parametrize(("values", "words"), table("a_scenario_that_does_not_suit_its_vehicle_is_refused"))
-def test_a_scenario_that_does_not_suit_its_vehicle_is_refused(values: dict[str, object], words: str) -> None:
-    with pytest.raises(InputError, match=words.replace("?", r"\?").replace("[", r"\[").replace("]", r"\]")):
+@pytest.mark.parametrize(("values", "message"), table("a_scenario_that_does_not_suit_its_vehicle_is_refused"))
+def test_a_scenario_that_does_not_suit_its_vehicle_is_refused(values: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message.replace("?", r"\?").replace("[", r"\[").replace("]", r"\]")):
         build(load(ROOT / "scenarios/manchester_r300.toml").with_values(values))
 
 
@@ -180,8 +180,8 @@ def test_a_train_is_its_vehicles_one_behind_the_other(tmp_path: Path) -> None:
     train = loaded(TRAIN, tmp_path)
     coach = manchester()
     assert [m.name for m in train.members] == ["coach1", "coach2", "coach3"]
-    own = [f"coach{k}.{mounted.name}" for k in (1, 2, 3) for mounted in coach.wheelsets]
-    assert [mounted.name for mounted in train.wheelsets] == own
+    names = [f"coach{k}.{mounted.name}" for k in (1, 2, 3) for mounted in coach.wheelsets]
+    assert [mounted.name for mounted in train.wheelsets] == names
     for k, unit in enumerate(train.units):
         x = [train.parts[i].centre[0] + 26.4 * k for i in unit.parts]
         np.testing.assert_allclose(x, [part.centre[0] for part in coach.parts], atol=1e-12)
@@ -191,8 +191,8 @@ def test_a_train_is_its_vehicles_one_behind_the_other(tmp_path: Path) -> None:
         assert level_of(train, f"coach{k + 1}.front.frame") == "bogie frame"
     each = [p.force for p in preloads(coach)]
     for k in range(3):
-        found = [p.force for p in preloads(train)[k * len(each) : (k + 1) * len(each)]]
-        for a, b in zip(found, each, strict=True):
+        forces = [p.force for p in preloads(train)[k * len(each) : (k + 1) * len(each)]]
+        for a, b in zip(forces, each, strict=True):
             np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-6)
     np.testing.assert_allclose(
         static_state(train).wheel_loads, np.tile(static_state(coach).wheel_loads, (3, 1)), rtol=1e-7
@@ -218,7 +218,7 @@ COUPLINGS = TRAIN.partition("[[couplings]]")[2]
 
 @pytest.mark.parametrize(("name", "changes", "message"), table("a_train_that_cannot_be_used_is_told_in_one_line"))
 def test_a_train_that_cannot_be_used_is_told_in_one_line(name, changes, message, tmp_path):
-    pairs = [tuple(words.replace("{couplings}", COUPLINGS) for words in pair) for pair in changes]
+    pairs = [tuple(text.replace("{couplings}", COUPLINGS) for text in pair) for pair in changes]
     with pytest.raises(InputError, match=message) as caught:
         loaded(changed(*pairs), tmp_path)
     assert "\n" not in str(caught.value)
@@ -246,10 +246,12 @@ def test_shipped_models_are_plausible(path: Path) -> None:
 
 
 def test_the_metro_to_start_from_weighs_what_the_published_one_weighs() -> None:
-    own, published = (load_vehicle(shipped_models() / name) for name in ("templates/metro.toml", "vehicles/gz18.toml"))
-    assert own.mass == pytest.approx(published.mass, rel=1e-12)
-    for one, other in zip(own.parts, published.parts, strict=True):
-        assert one.inertia == pytest.approx(other.inertia, rel=1e-9)
+    template, published = (
+        load_vehicle(shipped_models() / name) for name in ("templates/metro.toml", "vehicles/gz18.toml")
+    )
+    assert template.mass == pytest.approx(published.mass, rel=1e-12)
+    for template_part, published_part in zip(template.parts, published.parts, strict=True):
+        assert template_part.inertia == pytest.approx(published_part.inertia, rel=1e-9)
 
 
 def changed_coach(tmp_path: Path, change: Callable[[dict[str, Any]], object]) -> Vehicle:
@@ -264,9 +266,9 @@ def stiffness(name: str, factor: float) -> Callable[[dict[str, Any]], object]:
     def change(data: dict[str, Any]) -> None:
         for element in data["parts"]["bogie"]["elements"]:
             if element["name"] == name:
-                found = element["stiffness_kN_per_m"]
+                value = element["stiffness_kN_per_m"]
                 element["stiffness_kN_per_m"] = (
-                    [factor * k for k in found] if isinstance(found, list) else factor * found
+                    [factor * k for k in value] if isinstance(value, list) else factor * value
                 )
 
     return change
@@ -337,28 +339,32 @@ def stops(twice: bool) -> Callable[[dict[str, Any]], object]:
 
 
 ONES = (stiffness, every, update, wheelbase, wheels, dampers, carries, stops)
-CHANGES: dict[str, Callable[..., Any]] = {one.__name__: one for one in ONES}
-CHANGES |= {one.__name__: lambda one=one: one for one in (one_axle_without_springs, nothing_along)}
+CHANGES: dict[str, Callable[..., Any]] = {function.__name__: function for function in ONES}
+CHANGES |= {
+    function.__name__: lambda function=function: function for function in (one_axle_without_springs, nothing_along)
+}
 
 
-@pytest.mark.parametrize(("name", "how", "by", "words", "count"), table("an_implausible_value_is_named_once"))
-def test_an_implausible_value_is_named_once(name: str, how: str, by: list[Any], words: str, count: int, tmp_path: Path):
-    found = vehicle_warnings(changed_coach(tmp_path, CHANGES[how](*by)))
-    assert len(found) == count and sum(bool(re.search(words, each)) for each in found) == min(count, 1), found
+@pytest.mark.parametrize(("name", "how", "by", "pattern", "count"), table("an_implausible_value_is_named_once"))
+def test_an_implausible_value_is_named_once(
+    name: str, how: str, by: list[Any], pattern: str, count: int, tmp_path: Path
+):
+    warned = vehicle_warnings(changed_coach(tmp_path, CHANGES[how](*by)))
+    assert len(warned) == count and sum(bool(re.search(pattern, each)) for each in warned) == min(count, 1), warned
 
 
 def test_a_mass_high_above_its_wheelset_is_told() -> None:
     wheelset = load_vehicle(shipped_models() / "vehicles/wheelset_s1002.toml")
     for height, told in ((4.6, 1), (3.0, 0)):
         carried = tuple(replace(each, height=height) for each in wheelset.carried)
-        found = vehicle_warnings(replace(wheelset, carried=carried))
-        assert len(found) == told and all("height of the centre of the sprung mass" in each for each in found)
+        warned = vehicle_warnings(replace(wheelset, carried=carried))
+        assert len(warned) == told and all("height of the centre of the sprung mass" in each for each in warned)
 
 
 def test_uneven_wheel_loads_are_those_of_the_vehicle_at_rest(tmp_path: Path) -> None:
     vehicle = changed_coach(tmp_path, lambda data: data["bodies"]["carbody"].update(centre_mm=[4000, 600, 1800]))
-    (words,) = vehicle_warnings(vehicle)
-    name, *loads = re.search(r"of '(.*)' are (\S+) kN left and (\S+) kN right", words).groups()
+    (warning,) = vehicle_warnings(vehicle)
+    name, *loads = re.search(r"of '(.*)' are (\S+) kN left and (\S+) kN right", warning).groups()
     at_rest = static_state(vehicle).wheel_loads[vehicle.index(name)] / 1e3
     # the body settles on its springs: some 1 mm of 600 aside
     assert [float(load) for load in loads] == pytest.approx(at_rest.tolist(), rel=0.01)

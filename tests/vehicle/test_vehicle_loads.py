@@ -31,9 +31,9 @@ with_payload = pytest.mark.parametrize(
 )
 
 
-def in_wind(force: float, height: float = HEIGHT, at: float = 0.0) -> Vehicle:
+def in_wind(force: float, height: float = HEIGHT, along: float = 0.0) -> Vehicle:
     """The coach pushed to the left [N] at a height and a place along it [m]."""
-    return replace(manchester(), loads=(Load.constant("wind", "carbody", (0.0, force, 0.0), (at, 0.0, height)),))
+    return replace(manchester(), loads=(Load.constant("wind", "carbody", (0.0, force, 0.0), (along, 0.0, height)),))
 
 
 class Coach:
@@ -54,10 +54,10 @@ class Coach:
         """Of four quarters: springs with their preloads, stops, gravity, and the wind."""
         (yc, zc, rc), (yf, zf, rf) = x[:3], x[3:]
 
-        def point(y: float, z: float, roll: float, centre: float, at: tuple[float, float]) -> np.ndarray:
+        def point(y: float, z: float, roll: float, centre: float, point_of_body: tuple[float, float]) -> np.ndarray:
             """Where a point (y, z) of a body has gone."""
             c, s = np.cos(roll), np.sin(roll)
-            a, b = at[0], at[1] - centre
+            a, b = point_of_body[0], point_of_body[1] - centre
             return np.array([y + c * a - s * b, centre + z + s * a + c * b])
 
         def seen(roll: float, d: np.ndarray) -> np.ndarray:
@@ -70,12 +70,12 @@ class Coach:
             d = point(yc, zc, rc, 1.8, middle) - point(yf, zf, rf, 0.6, middle)
             share = self.CAR * STANDARD_GRAVITY / 4.0
             for roll in (rc, rf):  # half of a column turns with either body
-                own = seen(roll, d)
-                total += 2.0 * 0.5 * (0.5 * (160e3 * own[0] ** 2 + 430e3 * own[1] ** 2) - share * own[1])
+                relative = seen(roll, d)
+                total += 2.0 * 0.5 * (0.5 * (160e3 * relative[0] ** 2 + 430e3 * relative[1] ** 2) - share * relative[1])
             box = (side, 0.46)
-            own = seen(rf, point(yf, zf, rf, 0.6, box) - np.array(box))  # the frame against its axle
+            relative = seen(rf, point(yf, zf, rf, 0.6, box) - np.array(box))  # the frame against its axle
             share = (self.CAR / 4.0 + self.FRAME / 2.0) * STANDARD_GRAVITY / 2.0
-            total += 4.0 * (0.5 * (3884e3 * own[0] ** 2 + 1220e3 * own[1] ** 2) - share * own[1])
+            total += 4.0 * (0.5 * (3884e3 * relative[0] ** 2 + 1220e3 * relative[1] ** 2) - share * relative[1])
         total += (2.0 * 940e3 + 4.0 * 10.5e3) * (1.0 - np.cos(rc - rf))
         stop = point(yc, zc, rc, 1.8, (0.0, 0.65)) - point(yf, zf, rf, 0.6, (0.0, 0.65))
         travel = abs(seen(rc, stop)[0])
@@ -91,8 +91,11 @@ class Coach:
         y, z, roll = self.car
         turning = STANDARD_GRAVITY * sway
         for left, up, a, b in self.pushes:
-            at = y + a * np.cos(roll) - (b - 1.8) * np.sin(roll), 1.8 + z + a * np.sin(roll) + (b - 1.8) * np.cos(roll)
-            turning += left * at[1] - up * at[0]
+            acting_point = (
+                y + a * np.cos(roll) - (b - 1.8) * np.sin(roll),
+                1.8 + z + a * np.sin(roll) + (b - 1.8) * np.cos(roll),
+            )
+            turning += left * acting_point[1] - up * acting_point[0]
         return float(turning / (8.0 * HALF))
 
 
@@ -132,12 +135,12 @@ def test_a_payload_changes_wheel_loads_by_its_lever_and_leaves_the_vehicle_where
     vehicle = shipped(file)
     body = vehicle.parts[vehicle.reference]
     count = len(vehicle.wheelsets)
-    given = any(element.preload is not None for element in vehicle.elements)  # these take no share of a payload
+    has_preloads = any(element.preload is not None for element in vehicle.elements)  # these take no share of a payload
     axles = {*vehicle.boxes, *(mounted.name for mounted in vehicle.wheelsets)}
     steered = any(
         e.kind == "traction-rod" and e.second in axles for e in vehicle.elements
     )  # a push would turn the axle
-    aside = 0.0 if given or steered else 10e3
+    aside = 0.0 if has_preloads or steered else 10e3
     push = Payload("push", body.name, (0.0, aside * count, -5e3), (body.centre[0], 0.0, HEIGHT))
     before, after = static_state(vehicle), static_state(replace(vehicle, payloads=(*vehicle.payloads, push)))
     gain = after.wheel_loads - before.wheel_loads
@@ -207,15 +210,15 @@ def resultants(law: VehicleOnTrack, t: float, seed: int = 3) -> tuple[np.ndarray
     q[:n] += 2e-3 * rng.standard_normal(n)
     out = np.zeros(law.size)
     law(t, q, q_t, out)
-    own = out[:n].reshape(-1, 6)
-    return own[:, [1, 2, 0]].sum(axis=0), q, own
+    rows = out[:n].reshape(-1, 6)
+    return rows[:, [1, 2, 0]].sum(axis=0), q, rows
 
 
 @pytest.mark.parametrize("over", ["time", "distance"])
 @pytest.mark.parametrize("axes", ["track", "body"])
 def test_loads_change_the_momentum_of_the_vehicle_and_springs_do_not(over: str, axes: str) -> None:
-    at = (3.0, 0.5, 2.0)
-    load = Load("push", "carbody", at, ROWS, over, axes)
+    point = (3.0, 0.5, 2.0)
+    load = Load("push", "carbody", point, ROWS, over, axes)
     law = bare(replace(manchester(), loads=(load,)))
     force, q, _ = resultants(law, t=63.0)
     still, _, _ = resultants(bare(replace(manchester(), loads=())), t=63.0)
@@ -273,30 +276,30 @@ def roll_moment(vehicle: Vehicle, loads: np.ndarray) -> float:
 
 def test_what_is_carried_leans_as_a_rigid_body_does():
     vehicle = shipped("wheelset_s1002")
-    found = static_state(canted(vehicle, ANGLE))
+    rest = static_state(canted(vehicle, ANGLE))
     (mounted,), (carried,) = vehicle.wheelsets, vehicle.carried
     radius = mounted.wheelset.mean_radius
     heights = vehicle.gravity * (mounted.mass * radius + carried.mass * (radius + carried.height))
-    assert roll_moment(vehicle, found.wheel_loads) == pytest.approx(sin(ANGLE) * heights, rel=1e-6)
+    assert roll_moment(vehicle, rest.wheel_loads) == pytest.approx(sin(ANGLE) * heights, rel=1e-6)
 
 
 def test_a_twist_unloads_wheels_by_stiffness_turns_no_vehicle_and_works_both_ways():
     # k = 3646 kN/m at 0.62 m to either side of each axle, which rolls against a level frame (Cooperrider 1972)
     vehicle = shipped("cooperrider_bogie")
-    found, static = static_state(vehicle, TWIST), static_state(vehicle)
+    twisted, static = static_state(vehicle, TWIST), static_state(vehicle)
     tilt = TWIST * 1.074
     force = 2.0 * 3646e3 * 0.62**2 * tilt / 1.462
-    change = found.wheel_loads - static.wheel_loads
+    change = twisted.wheel_loads - static.wheel_loads
     assert change == pytest.approx(np.array([[force, -force], [-force, force]]), rel=1e-3)
     vehicle = manchester()
-    one, other, half = (static_state(vehicle, twist).wheel_loads for twist in (TWIST, -TWIST, 0.5 * TWIST))
+    forward, backward, half = (static_state(vehicle, twist).wheel_loads for twist in (TWIST, -TWIST, 0.5 * TWIST))
     static = vehicle.weight / 8.0
-    assert one.sum() == pytest.approx(vehicle.weight, rel=1e-9)
-    assert abs(roll_moment(vehicle, one)) < 1e-5 * vehicle.weight
-    assert one == pytest.approx(other[:, ::-1], rel=1e-9)
-    assert one - static == pytest.approx(2.0 * (half - static), abs=1e-2 * np.ptp(one))
+    assert forward.sum() == pytest.approx(vehicle.weight, rel=1e-9)
+    assert abs(roll_moment(vehicle, forward)) < 1e-5 * vehicle.weight
+    assert forward == pytest.approx(backward[:, ::-1], rel=1e-9)
+    assert forward - static == pytest.approx(2.0 * (half - static), abs=1e-2 * np.ptp(forward))
     # the ends of the vehicle are turned most: within a bogie and between the bogies
-    assert one[0, 0] > one[1, 0] > static > one[2, 0] > one[3, 0]
+    assert forward[0, 0] > forward[1, 0] > static > forward[2, 0] > forward[3, 0]
 
 
 def test_a_vehicle_that_finds_no_rest_is_refused_with_what_is_implausible_and_too_much_cant_overturns(tmp_path):
@@ -317,8 +320,8 @@ def wheel_loads(law: VehicleOnTrack) -> np.ndarray:
 @pytest.mark.parametrize("speed", [0.0, 30.0])
 def test_wheel_loads_sum_to_the_weight_and_are_alike_on_both_sides(speed: float) -> None:
     law = on_track(manchester(), speed).law
-    found = steady_state(law)
-    law(0.0, found.q, found.q_t, np.zeros(law.size))
+    rest = steady_state(law)
+    law(0.0, rest.q, rest.q_t, np.zeros(law.size))
     loads = wheel_loads(law)
     assert loads.sum() == pytest.approx(law.vehicle.weight, rel=1e-8)
     assert np.allclose(loads[:, 0], loads[:, 1], rtol=1e-9)
@@ -328,8 +331,8 @@ def test_wheel_loads_sum_to_the_weight_and_are_alike_on_both_sides(speed: float)
 
 def test_design_position_is_the_position_of_rest() -> None:
     law = on_track(manchester()).law
-    found = steady_state(law)
-    heights = found.q[: 6 * 7 : 6]
+    rest = steady_state(law)
+    heights = rest.q[: 6 * 7 : 6]
     design = np.array([part.centre[2] for part in law.vehicle.parts])
     sunk = design - heights
     assert np.allclose(sunk, sunk[0], atol=1e-9)  # all alike, by the approach of wheel and rail
@@ -343,8 +346,8 @@ def curved(radius: float, cant: float) -> list[Segment]:
 def mirror(q: np.ndarray, bodies: int) -> np.ndarray:
     """Coordinates (or rates, or forces) seen in a mirror that exchanges left and right."""
     out = q.copy()
-    own = out[: 6 * bodies].reshape(-1, 6)
-    own[:, [2, 3, 4]] *= -1.0
+    rows = out[: 6 * bodies].reshape(-1, 6)
+    rows[:, [2, 3, 4]] *= -1.0
     return out
 
 
@@ -372,8 +375,8 @@ def test_load_transfer_in_a_canted_curve_is_that_of_the_closed_form() -> None:
     law = on_track(manchester(), speed, curved(radius, cant), start=200.0).law
     q, q_t = design_state(law)
     q, q_t = lower_on_rails(law, q, q_t)
-    found = steady_state(law, (q, q_t))
-    law(0.0, found.q, found.q_t, np.zeros(law.size))
+    steady = steady_state(law, (q, q_t))
+    law(0.0, steady.q, steady.q_t, np.zeros(law.size))
     angle = float(np.arcsin(cant / law.track.cant_base))
     centrifugal = speed**2 / radius
     deficiency = centrifugal * np.cos(angle) - STANDARD_GRAVITY * np.sin(angle)
@@ -382,8 +385,10 @@ def test_load_transfer_in_a_canted_curve_is_that_of_the_closed_form() -> None:
     moment = 0.0
     bend = np.mean([m.x**2 for m in law.vehicle.wheelsets])
     for i, part in enumerate(parts):
-        own = slice(6 * i, 6 * i + 6)
-        pose = poses_on_track(law.track.centre, found.q[None, own], found.q_t[None, own], 200.0 + part.centre[0])
+        coordinates = slice(6 * i, 6 * i + 6)
+        pose = poses_on_track(
+            law.track.centre, steady.q[None, coordinates], steady.q_t[None, coordinates], 200.0 + part.centre[0]
+        )
         outward = -(pose.lateral[0] + (part.centre[0] ** 2 - bend) / (2.0 * radius))  # the curve is to the left
         moment += part.mass * (deficiency * pose.height[0] + normal * outward)
         if i < len(law.vehicle.wheelsets):

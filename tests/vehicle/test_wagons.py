@@ -66,9 +66,9 @@ def test_waves_in_a_chain_have_the_dispersion_of_masses_and_springs(mode: int) -
     shape = np.cos(np.pi * mode / count * (np.arange(count) + 0.5))
     law = law_of(chain(count))
     omega = 2.0 * np.sqrt(STIFF / MASS) * np.sin(0.5 * np.pi * mode / count)
-    found = motion(law, 0.1 * shape, 0.5 * np.pi / omega + 0.05)
-    wave = found.q_t[:, law.wagons] @ shape / (0.1 * MASS * shape @ shape)
-    np.testing.assert_allclose(wave, np.cos(omega * found.times), atol=1e-3)
+    moved = motion(law, 0.1 * shape, 0.5 * np.pi / omega + 0.05)
+    wave = moved.q_t[:, law.wagons] @ shape / (0.1 * MASS * shape @ shape)
+    np.testing.assert_allclose(wave, np.cos(omega * moved.times), atol=1e-3)
 
 
 def test_a_push_runs_along_a_chain_as_bessel_functions_do() -> None:
@@ -77,14 +77,14 @@ def test_a_push_runs_along_a_chain_as_bessel_functions_do() -> None:
     the energy, kinetic and elastic, is kept within 1e-3."""
     omega, j = np.sqrt(STIFF / MASS), np.arange(40)
     law = law_of(chain(40))
-    found = motion(law, np.where(j == 0, -1.0, 0.0), 32.0 / omega)
-    speeds = -found.q_t[:, law.wagons] / MASS
-    z = 2.0 * omega * found.times[:, None]
+    moved = motion(law, np.where(j == 0, -1.0, 0.0), 32.0 / omega)
+    speeds = -moved.q_t[:, law.wagons] / MASS
+    z = 2.0 * omega * moved.times[:, None]
     np.testing.assert_allclose(speeds, jv(2 * j, z) + jv(2 * j + 2, z), atol=1e-3)
-    ahead = LENGTH * j > 1.25 * LENGTH * omega * found.times[:, None] + 3.0 * LENGTH
+    ahead = LENGTH * j > 1.25 * LENGTH * omega * moved.times[:, None] + 3.0 * LENGTH
     assert np.abs(speeds[ahead]).max() < 1e-3
-    kinetic = 0.5 * (found.q_t[:, law.wagons] ** 2).sum(axis=1) / MASS
-    elastic = 0.5 * STIFF * (np.diff(found.q[:, law.wagons] / MASS, axis=1) ** 2).sum(axis=1)
+    kinetic = 0.5 * (moved.q_t[:, law.wagons] ** 2).sum(axis=1) / MASS
+    elastic = 0.5 * STIFF * (np.diff(moved.q[:, law.wagons] / MASS, axis=1) ** 2).sum(axis=1)
     np.testing.assert_allclose(kinetic + elastic, kinetic[0], rtol=1e-3)
 
 
@@ -92,15 +92,15 @@ def test_gears_with_friction_take_what_the_energy_loses() -> None:
     """20 wagons with play and friction, the rear half runs up: kinetic energy less what forces between them have taken
     is kept within 1e-3 of the loss; momentum to round-off."""
     law = law_of(chain(20, GEAR | {"friction_share": 0.3, "friction_travel_mm": 2.0}, slack=20.0))
-    found = motion(law, np.where(np.arange(20) < 10, 0.0, 1.0), 2.0)
-    speeds, out, power = found.q_t[:, law.wagons] / MASS, np.zeros(law.size), []
-    for t, q, q_t in zip(found.times, found.q, found.q_t, strict=True):
+    moved = motion(law, np.where(np.arange(20) < 10, 0.0, 1.0), 2.0)
+    speeds, out, power = moved.q_t[:, law.wagons] / MASS, np.zeros(law.size), []
+    for t, q, q_t in zip(moved.times, moved.q, moved.q_t, strict=True):
         law(t, q, q_t, out)
         power.append(
             law.readings[:, 0].reshape(-1, 2).sum(axis=1) @ (q_t[law.wagons][:-1] - q_t[law.wagons][1:]) / MASS
         )
     kinetic = 0.5 * MASS * (speeds**2).sum(axis=1)
-    taken = cumulative_trapezoid(power, found.times, initial=0.0)
+    taken = cumulative_trapezoid(power, moved.times, initial=0.0)
     assert kinetic[-1] < 0.8 * kinetic[0]
     np.testing.assert_allclose(kinetic + taken, kinetic[0], atol=1e-3 * kinetic[0])
     np.testing.assert_allclose(speeds.sum(axis=1), 10.0, rtol=1e-9)

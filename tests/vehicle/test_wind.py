@@ -39,8 +39,8 @@ def test_coefficients_over_the_angle_push_as_the_force_whose_sine_and_lever_they
     rows = tuple((a, 1.2 * np.sin(a), 0.0, 1.2 * np.sin(a) * 2.3 / 3.0) for a in angles)
     tunnel = Air(75.0, 0.0, 0.0, 1.225, rows, 3.0)
     assert np.array(tunnel.forces(22.0, 50.0)) == pytest.approx(np.array(SIDE.forces(22.0, 50.0)), rel=1e-4)
-    one, other = (static_state(loaded(air)).wheel_loads for air in (SIDE, tunnel))
-    assert one == pytest.approx(other, rel=2e-4)
+    by_area, by_tunnel = (static_state(loaded(air)).wheel_loads for air in (SIDE, tunnel))
+    assert by_area == pytest.approx(by_tunnel, rel=2e-4)
 
 
 def loaded(air, wind=22.0):
@@ -84,22 +84,22 @@ def test_a_vehicle_feels_the_mean_over_its_length_of_a_wind_that_begins_softly()
 
 
 def test_a_run_into_a_steady_wind_ends_with_the_wheel_loads_of_the_rest_in_it():
-    own = {"speed_m_s": 25.0, "towards": "right", "begins_m": 20.0, "peak_m": 120.0, "side_area_m2": 75.0}
+    gust = {"speed_m_s": 25.0, "towards": "right", "begins_m": 20.0, "peak_m": 120.0, "side_area_m2": 75.0}
     keys = {
         "track.segments": [{"kind": "straight", "length_m": 320.0}],
         "run.distance_m": 260.0,
         "track.irregularities": [],
     }
     scenario = load(SCENARIOS / "manchester_r300.toml").with_values(
-        keys | {"vehicle.speed_kmh": 90.0, "vehicle.wind": own | {"height_m": 2.3}, "contact.normal": "kik-piotrowski"}
+        keys | {"vehicle.speed_kmh": 90.0, "vehicle.wind": gust | {"height_m": 2.3}, "contact.normal": "kik-piotrowski"}
     )
     data = run(scenario).dataset
-    found = data["Q"].isel(time=slice(-100, None)).mean("time").values
+    loads = data["Q"].isel(time=slice(-100, None)).mean("time").values
     # contacts move by up to 15 mm over the profiles, whose middles the rest stands on, of 0.75 m of lever
-    assert found == pytest.approx(static_state(build(scenario).vehicle).wheel_loads, abs=0.02 * 54e3)
+    assert loads == pytest.approx(static_state(build(scenario).vehicle).wheel_loads, abs=0.02 * 54e3)
 
 
-@pytest.mark.parametrize(("scenario", "values", "words"), table("a_wind_that_cannot_be_is_refused"))
-def test_a_wind_that_cannot_be_is_refused(scenario, values, words):
-    with pytest.raises(InputError, match=words):
+@pytest.mark.parametrize(("scenario", "values", "message"), table("a_wind_that_cannot_be_is_refused"))
+def test_a_wind_that_cannot_be_is_refused(scenario, values, message):
+    with pytest.raises(InputError, match=message):
         build(load(SCENARIOS / scenario).with_values(values))

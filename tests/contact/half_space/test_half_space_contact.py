@@ -87,12 +87,14 @@ def test_ball_in_a_deep_groove(groove, influence, spin, approach, p0, width, len
     model = models.contact_model(ball, trough, 0.42, settings, 0.3)
     solver = HalfSpace((0.0958333e-3, 0.25e-3), influence=influence)
 
-    def at(depth):
+    def pressed(depth):
         return solve(model, (0.0, 0.0, 0.42 - depth, 0.0, 1.0, 0.0, 0.42, 0.0, 0.0, 0.0, spin, 0.0), solver)
 
-    found = brentq(lambda d: at(d).force[2] - 1e4, 1e-3 * approach * 0.98, 1e-3 * approach * 1.02, xtol=1e-9)
-    (patch,) = at(found).patches
-    assert 1e3 * found == pytest.approx(approach, rel=2e-3)
+    depth_at_load = brentq(
+        lambda d: pressed(d).force[2] - 1e4, 1e-3 * approach * 0.98, 1e-3 * approach * 1.02, xtol=1e-9
+    )
+    (patch,) = pressed(depth_at_load).patches
+    assert 1e3 * depth_at_load == pytest.approx(approach, rel=2e-3)
     assert 1e-6 * patch.p0 == pytest.approx(p0, rel=2e-3)
     if width is not None:
         assert 0.25 * patch.p.any(axis=1).sum() == pytest.approx(width, abs=1e-9)
@@ -266,9 +268,9 @@ def test_ground_far_beside_a_main_point_is_pressed_by_one_patch_alone(lateral):
 def test_damping_multiplies_the_pressure_by_the_rate_of_approach():
     # N (1 + c v cos(angle)) as in the strip models; never a pull
     model = pair_model("S1002/60E1 1:40", normal="half-space", tangential="none", damping=2.0)
-    at = np.array([0.0, 0.0, 0.46 - 0.0])
-    at[2] -= model.evaluate(at).closest + 60e-6
-    rest, nearing, leaving = (model.evaluate(at, velocity=(0.0, 0.0, v)) for v in (0.0, -0.1, 2.0))
+    origin = np.array([0.0, 0.0, 0.46 - 0.0])
+    origin[2] -= model.evaluate(origin).closest + 60e-6
+    rest, nearing, leaving = (model.evaluate(origin, velocity=(0.0, 0.0, v)) for v in (0.0, -0.1, 2.0))
     angle = rest.patches["angle"][0]
     assert nearing.normal_force == pytest.approx(rest.normal_force * (1.0 + 0.2 * np.cos(angle)), rel=1e-3)
     assert leaving.normal_force == 0.0
@@ -286,14 +288,14 @@ def test_a_normal_meets_the_cubic_through_a_section_whatever_the_length_of_its_t
     angle = np.linspace(-0.1, 0.1, 4)
     section = np.column_stack((np.sin(angle), np.cos(angle), length * np.cos(angle), -length * np.sin(angle)))
     for no in (-0.05, 0.02):
-        found = _meet_section(section, np.array([0, 4]), Vec(0.0, 0.0, 0.999), no, sqrt(1.0 - no**2), 0.0)
-        foot = np.hypot(found[0] * no, 0.999 + found[0] * sqrt(1.0 - no**2))
-        assert found[1] and foot == pytest.approx(1.0, abs=2e-7)  # h^4/128: as long as the chord
+        meeting = _meet_section(section, np.array([0, 4]), Vec(0.0, 0.0, 0.999), no, sqrt(1.0 - no**2), 0.0)
+        foot = np.hypot(meeting[0] * no, 0.999 + meeting[0] * sqrt(1.0 - no**2))
+        assert meeting[1] and foot == pytest.approx(1.0, abs=2e-7)  # h^4/128: as long as the chord
 
 
 def test_elements_of_a_wheel_are_those_of_its_deepest_patch():
     b = pose_solver(solver=HalfSpace(resolution=8), **FRICTIONLESS)
     b.solve(Pose("", 6e-3, 0.04, 60e3))
-    one, other = sorted(b.solver.solve_pose(b.wheels[0].model).patches, key=lambda patch: -patch.approach)
-    found = b.solver.elements_at(b.wheels[0].model)
-    assert found == (one.grid.dx, one.grid.ds) != (other.grid.dx, other.grid.ds)
+    deepest, second = sorted(b.solver.solve_pose(b.wheels[0].model).patches, key=lambda patch: -patch.approach)
+    elements = b.solver.elements_at(b.wheels[0].model)
+    assert elements == (deepest.grid.dx, deepest.grid.ds) != (second.grid.dx, second.grid.ds)

@@ -110,11 +110,11 @@ def test_integrals_over_a_rectangle_equal_quadrature(x, s):
 
 def test_constants_and_a_square_s_yield_are_love_s_and_hertz_s_closed_forms():
     # integral of 1/r over the unit square from its centre: 4 asinh(1)
-    own = rectangle(0.0, 0.0, 1.0, 1.0)
-    assert own[NN] == pytest.approx(4.0 * np.arcsinh(1.0), rel=1e-14)
-    assert own[XX] == pytest.approx(own[SS], rel=1e-14)
-    assert own[XX] + own[SS] == pytest.approx(own[NN], rel=1e-14)
-    assert own[XS] == 0.0
+    influence_on_itself = rectangle(0.0, 0.0, 1.0, 1.0)
+    assert influence_on_itself[NN] == pytest.approx(4.0 * np.arcsinh(1.0), rel=1e-14)
+    assert influence_on_itself[XX] == pytest.approx(influence_on_itself[SS], rel=1e-14)
+    assert influence_on_itself[XX] + influence_on_itself[SS] == pytest.approx(influence_on_itself[NN], rel=1e-14)
+    assert influence_on_itself[XS] == 0.0
     assert EQUAL.modulus == pytest.approx(210e9 / 2.0 / (1.0 - 0.28**2))
     assert EQUAL.coupling == 0.0
 
@@ -123,8 +123,8 @@ def dense(compliance, rows, columns, ds, dx, angles):
     """All nine influences (3, rows, columns, 3, rows, columns) by plain sums, in the order x, s, n."""
     table = integrals(dx * (np.arange(2 * columns) - columns + 0.5), ds * (np.arange(2 * rows) - rows + 0.5))
     j, i = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
-    at = (i[:, :, None, None] - i + columns - 1, j[:, :, None, None] - j + rows - 1)
-    nn, xx, ss, xs, xn, sn = (table[k][at] for k in range(6))
+    lag = (i[:, :, None, None] - i + columns - 1, j[:, :, None, None] - j + rows - 1)
+    nn, xx, ss, xs, xn, sn = (table[k][lag] for k in range(6))
     n, t, k = compliance.normal, compliance.tangential, compliance.coupling
     flat = np.array([[n * nn + t * xx, t * xs, k * xn], [t * xs, n * nn + t * ss, k * sn], [-k * xn, -k * sn, n * nn]])
     alpha = (angles[None, :] - angles[:, None])[:, None, :, None]  # source minus receiver
@@ -175,8 +175,8 @@ def test_rows_without_coupling_act_alone():
     assert not operator.slip_of_pressure(np.ones((4, 4)), 1.0).any()
     rows, columns = 6, 4
     first = (np.arange(rows) < 3).astype(float)[:, None]
-    own = ((first, first), (1.0 - first, 1.0 - first))
-    apart = Operator(rows, columns, 1e-4, 1e-4, EQUAL, shares=own)
+    shares = ((first, first), (1.0 - first, 1.0 - first))
+    apart = Operator(rows, columns, 1e-4, 1e-4, EQUAL, shares=shares)
     alone = Operator(3, columns, 1e-4, 1e-4, EQUAL)
     p = np.random.default_rng(1).uniform(size=(rows, columns))
     assert apart.normal(p)[:3] == pytest.approx(alone.normal(p[:3]), rel=1e-12)
