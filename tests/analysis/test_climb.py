@@ -62,16 +62,16 @@ def test_the_way_of_a_climb_depends_on_force_and_angle_and_hardly_on_speed_and_m
     assert (ways[1] < ways[0]).all()
     expected = climbs["climb_distance"].values[2]
     for keys in ({"vehicle.speed_kmh": 9.0}, {"contact.normal": "strips"}):
-        own = climb(wheel, angle_of_attack_mrad=[5.0], Y_over_Q=[1.99], **keys)["climb_distance"].item()
-        assert own == pytest.approx(expected, rel=0.05)  # inertia lengthens it at a higher speed
+        distance = climb(wheel, angle_of_attack_mrad=[5.0], Y_over_Q=[1.99], **keys)["climb_distance"].item()
+        assert distance == pytest.approx(expected, rel=0.05)  # inertia lengthens it at a higher speed
 
 
 @pytest.mark.parametrize("angle", [70.0, pytest.param(68.0, marks=pytest.mark.campaign)])
 def test_ways_are_those_of_tcrp_report_71(tmp_path, angle):
     # Y/Q 1.99, length 0.6 in; the formula knows neither the radius of the tip nor that of the rail's corner
     wheel = flanged(tmp_path / "wheel.toml", angle, 15.24)
-    own = climb(wheel, angle_of_attack_mrad=[0.0, 5.0], Y_over_Q=[1.99])
-    assert own["climb_distance"].values == pytest.approx(own["climb_distance_tcrp"].values, rel=0.16)
+    climbed = climb(wheel, angle_of_attack_mrad=[0.0, 5.0], Y_over_Q=[1.99])
+    assert climbed["climb_distance"].values == pytest.approx(climbed["climb_distance_tcrp"].values, rel=0.16)
 
 
 def test_summary_table_and_picture_tell_what_was_found(climbs, sketched):
@@ -107,15 +107,15 @@ def scenario():
     return load(SCENARIOS / "climb.toml")
 
 
-@pytest.mark.parametrize(("keys", "words"), table("what_cannot_climb_is_refused"))
-def test_what_cannot_climb_is_refused(keys, words):
-    with pytest.raises(InputError, match=words):
+@pytest.mark.parametrize(("keys", "message"), table("what_cannot_climb_is_refused"))
+def test_what_cannot_climb_is_refused(keys, message):
+    with pytest.raises(InputError, match=message):
         run(scenario().with_values(keys))
 
 
 def test_what_cannot_be_looked_for_or_does_not_fit_is_refused(tmp_path):
-    for keys, words in (({"highest_kmh": 10.0}, "highest_kmh"), ({"radius_m": 5.0}, "radius_m")):
-        with pytest.raises(InputError, match=words):
+    for keys, message in (({"highest_kmh": 10.0}, "highest_kmh"), ({"radius_m": 5.0}, "radius_m")):
+        with pytest.raises(InputError, match=message):
             run(in_wind(**keys))
     with pytest.raises(InputError, match="single wheelset"):
         run(in_wind().with_values({"vehicle.model": "vehicles/wheelset_s1002.toml"}))
@@ -135,7 +135,7 @@ def in_wind(**keys):
 
 
 @pytest.fixture(scope="module")
-def found():
+def overturning():
     """Without wind and with some."""
     keys = {"tolerance_kmh": 5.0, "lowest_kmh": 150.0, "highest_kmh": 350.0}
     return run(in_wind(**wind(0.0, 25.0), **keys)).dataset
@@ -161,14 +161,14 @@ def test_moments_about_the_track_are_in_balance_with_all_bodies_where_they_have_
     assert state.wheel_loads.sum() == pytest.approx(vehicle.mass * down, rel=1e-4)
 
 
-def test_a_coach_overturns_where_its_inner_wheels_have_lost_their_load(found):
-    still, windy = summarise_overturning(found)["limits"]
+def test_a_coach_overturns_where_its_inner_wheels_have_lost_their_load(overturning):
+    still, windy = summarise_overturning(overturning)["limits"]
     # the closed form of a rigid coach, half the width over the height of its centre, is an upper bound
     setup = build(in_wind())
     limit = setup.vehicle.gravity * (0.75 / setup.vehicle.centre[2] + 0.163 / 1.5) / (1 - 0.75 / 1.44 * 0.163 / 1.5)
     assert 0.8 * limit < (still["overturns_kmh"] / 3.6) ** 2 / 945.0 < limit
     assert still["unloaded_kmh"] < still["overturns_kmh"]
-    last = found["wheel_unloading"].values[np.flatnonzero(found["overturns"].values)]
+    last = overturning["wheel_unloading"].values[np.flatnonzero(overturning["overturns"].values)]
     assert last.max(axis=(1, 2)).min() > 0.95
     assert windy["overturns_kmh"] < still["overturns_kmh"]
 
@@ -198,10 +198,10 @@ def test_a_coach_stands_at_the_speed_of_the_line_and_falls_at_that_of_an_acciden
     assert "derailed" in data.attrs["run_end"]
 
 
-def test_table_and_picture_tell_every_wind(found, sketched):
-    summary = summarise_overturning(found)
-    (table,) = overturning_tables(found, summary)
+def test_table_and_picture_tell_every_wind(overturning, sketched):
+    summary = summarise_overturning(overturning)
+    (table,) = overturning_tables(overturning, summary)
     assert [row[0] for row in table.rows] == [0.0, 25.0]
-    pictures = {name: make().axes[0] for name, make in overturning_figures(found).items()}
+    pictures = {name: make().axes[0] for name, make in overturning_figures(overturning).items()}
     assert len(pictures["overturning"].get_lines()) == 3
     assert len(pictures["overturning_wind"].get_lines()) >= 2

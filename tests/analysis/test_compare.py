@@ -64,11 +64,11 @@ def test_runs_are_compared_at_the_reference_s_samples():
     assert np.nanmax(abs(c.values["X_difference"].sel(model="file+friction=0.2"))) > 0.01
     assert c.values["time"].values == pytest.approx(c.main.result.dataset["time"].values)
     assert (np.diff(c.values["distance"].values) > 0.0).all()
-    own = c.main.result.dataset  # other samples, which end earlier
-    other = _at_samples(own.isel(time=slice(0, -1, 2)), own)["Q"].values
-    force = of_wheels(own)["Q"].values
-    assert np.array_equal(other[0:-2:2], force[0:-2:2]) and np.isnan(other[-1]).all()
-    assert other[1:-2:2] == pytest.approx(0.5 * (force[0:-3:2] + force[2:-1:2]), rel=1e-12)
+    dataset = c.main.result.dataset  # other samples, which end earlier
+    resampled = _at_samples(dataset.isel(time=slice(0, -1, 2)), dataset)["Q"].values
+    force = of_wheels(dataset)["Q"].values
+    assert np.array_equal(resampled[0:-2:2], force[0:-2:2]) and np.isnan(resampled[-1]).all()
+    assert resampled[1:-2:2] == pytest.approx(0.5 * (force[0:-3:2] + force[2:-1:2]), rel=1e-12)
 
 
 def chosen(name, contact=""):
@@ -90,15 +90,15 @@ def test_names_choose_models():
     assert chosen("strips+approach=+strip_width_mm=", paper).strip_width is None
 
 
-@pytest.mark.parametrize(("names", "words"), table("wrong_names_are_one_clear_error"))
-def test_wrong_names_are_one_clear_error(tmp_path, names, words):
+@pytest.mark.parametrize(("names", "message"), table("wrong_names_are_one_clear_error"))
+def test_wrong_names_are_one_clear_error(tmp_path, names, message):
     with pytest.raises(InputError, match=r"model|--contact") as error:
         compare_models(load_text(STATIC), split_names(names))
-    assert words in str(error.value)
+    assert message in str(error.value)
     (tmp_path / "case.toml").write_text(STATIC)
     ended = call("compare", tmp_path / "case.toml", "--contact", names)
     assert ended.exit_code == 2
-    assert words in ended.output + ended.stderr
+    assert message in ended.output + ended.stderr
     assert "Traceback" not in ended.output
 
 
@@ -259,14 +259,14 @@ def test_the_command_finds_stresses_and_fatigue_below_a_patch(tmp_path):
     assert "Below the surface of the rail" in call(*command, "--subsurface", *limits).output
     d = Result.load(tmp_path / "below").wheelset()
     assert d.attrs["torsion_limit_MPa"] == 200.0
-    there = np.isfinite(d["N"].values)
-    assert np.array_equal(np.isfinite(d["von_mises_max"].values), there)
+    in_contact = np.isfinite(d["N"].values)
+    assert np.array_equal(np.isfinite(d["von_mises_max"].values), in_contact)
     # a Hertzian contact has 0.56 to 0.65 of its peak (line to point); friction at 0.35 and two patches add to it
-    ratio = d["von_mises_max"].values[there] / d["p0"].values[there]
+    ratio = d["von_mises_max"].values[in_contact] / d["p0"].values[in_contact]
     assert ((ratio > 0.5) & (ratio < 1.1)).all()
-    inner = d["von_mises_across"].values[there].max(axis=(-2, -1))
-    assert (inner <= d["von_mises_max"].values[there] * 1.001).all()
-    assert (d["crossland_max"].values[there] > 0.1).all()
+    inner = d["von_mises_across"].values[in_contact].max(axis=(-2, -1))
+    assert (inner <= d["von_mises_max"].values[in_contact] * 1.001).all()
+    assert (d["crossland_max"].values[in_contact] > 0.1).all()
     assert (tmp_path / "below/subsurface.png").exists()
     ok("report", str(tmp_path / "below"))
     page = next((tmp_path / "below").glob("*.html")).read_text(encoding="utf-8")

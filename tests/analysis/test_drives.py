@@ -28,8 +28,10 @@ COACH = ROOT / "scenarios/manchester_r300.toml"
 
 def on_straight(**keys: object) -> Scenario:
     """The coach on 90 m of straight track, with further keys (dots written as two underscores)."""
-    own = {"track.segments": [straight(90.0)], "run.start_distance_m": 14.0, "run.output_interval_ms": 10.0}
-    return load(COACH).with_values(COARSE | own | {key.replace("__", "."): value for key, value in keys.items()})
+    keys_of_track = {"track.segments": [straight(90.0)], "run.start_distance_m": 14.0, "run.output_interval_ms": 10.0}
+    return load(COACH).with_values(
+        COARSE | keys_of_track | {key.replace("__", "."): value for key, value in keys.items()}
+    )
 
 
 @pytest.mark.parametrize(
@@ -42,7 +44,7 @@ def on_straight(**keys: object) -> Scenario:
 def test_the_frame_runs_as_far_as_its_speed_says(profile):
     for t in (0.2, 1.7, 2.9, 6.0):
         way, _ = quad(
-            lambda at: float(profile.speed(at)), 0.0, t, points=[p[0] for p in profile.pieces if 0 < p[0] < t]
+            lambda instant: float(profile.speed(instant)), 0.0, t, points=[p[0] for p in profile.pieces if 0 < p[0] < t]
         )
         assert float(profile.way(t)) == pytest.approx(way, rel=1e-9)
         assert profile.time(float(profile.way(t))) == pytest.approx(t, rel=1e-12)
@@ -93,8 +95,8 @@ def test_slip_control_keeps_the_slip_below_its_limit():
     first = result.dataset.sel(wheelset="front.outer")
     assert 0.5 * creepage < float(first["axle_creepage"].max()) < creepage
     # what it gives is what the rails take; the wheels do not slow down any more than the vehicle
-    given = float(first["drive_moment"][-1])
-    assert given == pytest.approx(-0.1 * float(first["Q"].sum("wheel")[-1]) * 0.46, rel=0.05)
+    moment = float(first["drive_moment"][-1])
+    assert moment == pytest.approx(-0.1 * float(first["Q"].sum("wheel")[-1]) * 0.46, rel=0.05)
     labels = [str(text) for text in result.dataset["event_label"].values]
     assert any("braked beyond adhesion" in label for label in labels)
 
@@ -136,11 +138,11 @@ def test_motors_alone_accelerate_the_mass_and_the_turning_wheels():
 
 @pytest.mark.parametrize(("line", "said"), table("bad_speeds_and_efforts_are_refused_with_file_and_key"))
 def test_bad_speeds_and_efforts_are_refused_with_file_and_key(tmp_path, line, said):
-    found = faults(CURVE.replace("speed_kmh = 54", line), tmp_path)
-    assert len(found) == 1
-    assert found[0].startswith("case.toml:")
-    assert "vehicle." in found[0]
-    assert said in found[0]
+    messages = faults(CURVE.replace("speed_kmh = 54", line), tmp_path)
+    assert len(messages) == 1
+    assert messages[0].startswith("case.toml:")
+    assert "vehicle." in messages[0]
+    assert said in messages[0]
 
 
 def test_a_speed_that_nothing_holds_is_refused(tmp_path):
@@ -186,14 +188,14 @@ def ride(*cases: str) -> Result:
     ids=", ".join,
 )
 def test_work_of_the_drive_is_motion_height_creep_and_dampers(cases):
-    found = ride(*cases).summary()["energy"]
-    work = found["work_of_drive_kJ"] + found["work_of_pull_kJ"]
-    assert work > 200.0 and found["lost_in_creep_kJ"] > 0.0 and found["lost_in_dampers_kJ"] > 0.0
-    assert (found["work_of_drive_kJ"] == 0.0) == ("pulled" in cases)
+    energy = ride(*cases).summary()["energy"]
+    work = energy["work_of_drive_kJ"] + energy["work_of_pull_kJ"]
+    assert work > 200.0 and energy["lost_in_creep_kJ"] > 0.0 and energy["lost_in_dampers_kJ"] > 0.0
+    assert (energy["work_of_drive_kJ"] == 0.0) == ("pulled" in cases)
     if "uphill" in cases or "through a hollow" in cases:
-        assert found["gained_in_height_kJ"] > 0.3 * work
+        assert energy["gained_in_height_kJ"] > 0.3 * work
     # springs are as at the start, or nearly so
-    assert abs(found["left_over_kJ"]) < 1e-3 * work
+    assert abs(energy["left_over_kJ"]) < 1e-3 * work
 
 
 def test_a_grade_raises_and_its_part_of_the_weight_is_pulled():
@@ -229,7 +231,7 @@ def test_dampers_take_what_does_not_turn_round_with_the_velocities():
 
 def struts(kind: str) -> tuple[Element, ...]:
     """A spring along x and what takes the energy of a swing on it."""
-    own = spring(stiffness=(4e5, 0.0, 0.0))
+    along = spring(stiffness=(4e5, 0.0, 0.0))
     damper = Strut("damper", "damper", TRACK, "box", (AT, AT), 0, damping=4e3)
     table = ((-1.0, -6e3), (-0.1, -2e3), (0.1, 2e3), (1.0, 6e3))
     elements: dict[str, tuple[Element, ...]] = {
@@ -245,7 +247,7 @@ def struts(kind: str) -> tuple[Element, ...]:
         "fancher": (Strut("f", "leaf", TRACK, "box", (AT, AT), 0, slider=Slider("fancher", 4e5, 800.0)),),
         "berg": (Strut("b", "rubber", TRACK, "box", (AT, AT), 0, slider=Slider("berg", 4e5, 800.0)),),
     }
-    return (FIXED, own, *elements[kind])
+    return (FIXED, along, *elements[kind])
 
 
 @pytest.mark.parametrize("kind", table("what_is_told_as_lost_is_what_a_swing_has_lost"))
@@ -253,21 +255,21 @@ def test_what_is_told_as_lost_is_what_a_swing_has_lost(kind):
     law = on_springs(box(*struts(kind)))
     q, q_t = design_state(law)
     q_t[7] = 0.3
-    found = motion(law, q, q_t, 1.2, 2.5e-4, "rk44")
+    swung = motion(law, q, q_t, 1.2, 2.5e-4, "rk44")
     lost = []
-    for t, state, rates in zip(found.times, found.q, found.q_t, strict=True):
+    for t, state, rates in zip(swung.times, swung.q, swung.q_t, strict=True):
         law(t, state, rates, np.zeros(law.size))
         lost.append(float(law.elements["loss"].sum()))
     # Berg's friction gives way on the way back before its force has turned: k z^2/2 is a little more than it holds
     assert min(lost) >= (-0.1 * max(lost) if kind == "berg" else -1e-9)
-    x, v = found.q[:, 7] - 100.0, found.q_t[:, 7]
+    x, v = swung.q[:, 7] - 100.0, swung.q_t[:, 7]
     held = 0.5 * MASS * v**2 + 0.5 * 4e5 * x**2
-    slips = found.q_t[:, 12:]
+    slips = swung.q_t[:, 12:]
     if kind == "damper behind a spring":
         held += 0.5 * 2e5 * (x - slips[:, 0]) ** 2
     elif slips.shape[1]:
         stiffness = 4e5 if kind in ("fancher", "berg") else 4e6
         held += 0.5 * stiffness * (x - slips[:, 0]) ** 2
-    total = cumulative_trapezoid(lost, found.times, initial=0.0)
+    total = cumulative_trapezoid(lost, swung.times, initial=0.0)
     assert total[-1] > 0.5 * held[0]
     assert np.abs(held[0] - held - total).max() < 2e-3 * held[0]

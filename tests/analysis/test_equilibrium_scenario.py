@@ -98,9 +98,9 @@ def test_where_there_is_no_such_place_the_message_says_what_is_asked_of_the_whee
     setup = wheelset(500.0, 420.0)
     with pytest.raises(SimulationError) as refused:
         run_in_time(setup)
-    words = str(refused.value)
-    assert "no steady motion to start from at 0 m and 54 km/h" in words
-    assert "The right wheel is the smaller one by 80 mm of radius: to roll straight" in words
+    message = str(refused.value)
+    assert "no steady motion to start from at 0 m and 54 km/h" in message
+    assert "The right wheel is the smaller one by 80 mm of radius: to roll straight" in message
 
 
 # Steady curving against time integration, closed forms and symmetry.
@@ -217,7 +217,7 @@ class Curve:
         """What the guide frame takes of the lateral force, inward [N]."""
         return float(self.sample["guide_force_y"])
 
-    def both(self, name: str) -> np.ndarray:
+    def of_both_wheels(self, name: str) -> np.ndarray:
         """A channel of the inner and the outer wheel."""
         return self.sample[name].values
 
@@ -257,8 +257,8 @@ def test_forces_of_the_wheels_are_in_balance_with_weight_springs_and_the_curve(c
     the frame holds by its springs, of a bogie also forward ones that have turned with it."""
     curve = steady(*case)
     # the wheelset's own centre is a little off the centre line: 1e-5 of the centrifugal force
-    assert curve.both("Q").sum() == pytest.approx(sum(curve.masses) * curve.down, rel=1e-5)
-    inner, outer = curve.both("Y")
+    assert curve.of_both_wheels("Q").sum() == pytest.approx(sum(curve.masses) * curve.down, rel=1e-5)
+    inner, outer = curve.of_both_wheels("Y")
     weight = sum(curve.masses) * STANDARD_GRAVITY
     assert outer - inner == pytest.approx(sum(curve.masses) * curve.outward - curve.held, abs=1e-5 * weight)
     across = np.sin(curve.setup.vehicle.guide_ahead * curve.curvature) * float(curve.sample["guide_force_x"])

@@ -62,8 +62,8 @@ def test_the_rail_is_bent_where_the_wheel_strikes_at_the_largest_force_of_all_st
     assert place == pytest.approx(float(data["fast_distance"][peak]), abs=0.01)
     # the nodes lack what the rail yields in the element beneath the wheel, some 2 %
     moved = data["fast_rail_displacement_z"].isel(wheelset=0).values[peak]
-    there = [np.interp(place, data["bent_place"], data["bent_rail"].sel(wheel=side)) for side in ("left", "right")]
-    assert_allclose(there, moved, rtol=0.05)
+    displaced = [np.interp(place, data["bent_place"], data["bent_rail"].sel(wheel=side)) for side in ("left", "right")]
+    assert_allclose(displaced, moved, rtol=0.05)
     assert np.abs(data["bent_rail"].values[[0, -1]]).max() < 1e-3 * np.abs(moved).max()
     axes = Result(data).plot("bent").axes[0]
     assert_allclose(axes.lines[0].get_ydata(), 1e3 * data["bent_rail"].sel(wheel="left"))
@@ -78,12 +78,12 @@ def test_the_axle_box_accelerates_as_the_axle_moves():
     data = run(scenario).fast("wheelset")
     height, roll = (data[name].values for name in ("vertical_shift", "roll"))
     half = 0.5 * build(scenario).wheelset.profile_spacing
-    there = np.stack([height + half * np.sin(roll), height - half * np.sin(roll)], axis=1)
-    found = data["axle_box_acceleration"].values[1:-1]
-    expected = np.diff(there, n=2, axis=0) / 1e-4**2
-    late = slice(len(found) // 2, None)
-    assert np.abs(found[late]).max() > 5.0
-    assert_allclose(found[late], expected[late], atol=0.02 * np.abs(found[late]).max())
+    box_heights = np.stack([height + half * np.sin(roll), height - half * np.sin(roll)], axis=1)
+    accelerations = data["axle_box_acceleration"].values[1:-1]
+    expected = np.diff(box_heights, n=2, axis=0) / 1e-4**2
+    late = slice(len(accelerations) // 2, None)
+    assert np.abs(accelerations[late]).max() > 5.0
+    assert_allclose(accelerations[late], expected[late], atol=0.02 * np.abs(accelerations[late]).max())
 
 
 @pytest.mark.parametrize("integrator, step", [("rk44", 2.5e-4), ("generalised-alpha", 2.5e-4)])
@@ -105,11 +105,11 @@ def test_the_table_has_a_row_a_sample(tmp_path):
     assert len(rows) == 1 + struck().dataset.sizes["fast_time"]
 
 
-@pytest.mark.parametrize("keys, words", table("what_cannot_be_stored_is_refused_with_its_key"))
-def test_what_cannot_be_stored_is_refused_with_its_key(keys, words):
+@pytest.mark.parametrize("keys, message", table("what_cannot_be_stored_is_refused_with_its_key"))
+def test_what_cannot_be_stored_is_refused_with_its_key(keys, message):
     with pytest.raises(InputError) as error:
         build(sleepers(**FAST | keys))
-    assert words in str(error.value) and "\n" not in str(error.value)
+    assert message in str(error.value) and "\n" not in str(error.value)
 
 
 def test_channels_of_parts_that_are_not_there_are_refused():

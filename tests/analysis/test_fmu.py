@@ -152,17 +152,17 @@ def test_the_description_is_valid_and_the_scenario_in_the_unit_is_whole(file: Pa
 
 def test_a_unit_has_the_bits_of_the_stepper(made: Any) -> None:
     """From straight track into the curve, beside a second instance on which other forces act."""
-    unit, other, own = made(), made(), stepper(COACH)
-    other["front.outer.torque_Nm"] = 2e3
-    assert len(own.outputs) == COUNT
-    assert outputs(unit) == outputs(own)
+    unit, disturbed, bench = made(), made(), stepper(COACH)
+    disturbed["front.outer.torque_Nm"] = 2e3
+    assert len(bench.outputs) == COUNT
+    assert outputs(unit) == outputs(bench)
     for _ in range(10):
         unit.step(50)
-        other.step(50)
-        own.step(50)
-        assert outputs(unit) == outputs(own)
-    assert unit["time"] == own.time == pytest.approx(0.5)
-    assert other["carbody.speed_m_s"] > unit["carbody.speed_m_s"] + 1e-3
+        disturbed.step(50)
+        bench.step(50)
+        assert outputs(unit) == outputs(bench)
+    assert unit["time"] == bench.time == pytest.approx(0.5)
+    assert disturbed["carbody.speed_m_s"] > unit["carbody.speed_m_s"] + 1e-3
     assert 5.0 < unit["carbody.distance_m"] < 20.0 and unit["carbody.yaw_rate_rad_s"] > 0.0
 
 
@@ -201,7 +201,7 @@ def test_the_force_of_a_control_acts_on_both_ends(made: Any) -> None:
 
 
 def test_a_unit_begins_again_and_goes_back_to_a_state(made: Any) -> None:
-    unit, other = made(), made()
+    unit, second_unit = made(), made()
     unit.step(20)
     first = outputs(unit)
     state = unit.getFMUState()
@@ -211,16 +211,16 @@ def test_a_unit_begins_again_and_goes_back_to_a_state(made: Any) -> None:
     braked = outputs(unit)
     unit.setFMUState(state)
     assert outputs(unit) == first and unit["front.outer.torque_Nm"] == 0.0
-    taken = other.deserializeFMUState(content)
-    other.setFMUState(taken)
-    for each in (unit, other):
+    taken = second_unit.deserializeFMUState(content)
+    second_unit.setFMUState(taken)
+    for each in (unit, second_unit):
         each["front.outer.torque_Nm"] = -1e3
         each.step(20)
         assert outputs(each) == braked
-    assert "no state of this unit" in other.refusal(other.deserializeFMUState, content[:-8])
+    assert "no state of this unit" in second_unit.refusal(second_unit.deserializeFMUState, content[:-8])
     for place, forged in ((48, 5), (48, -1), (48, 1 << 40), (40, 0x7FF8 << 48)):  # the mode, a start that is no number
         state = content[:place] + int(forged).to_bytes(8, "little", signed=True) + content[place + 8 :]
-        assert "no state of this unit" in other.refusal(other.deserializeFMUState, state)
+        assert "no state of this unit" in second_unit.refusal(second_unit.deserializeFMUState, state)
     unit.reset()
     unit.begin().step(20)
     assert outputs(unit) == first
@@ -248,11 +248,11 @@ def test_what_a_unit_cannot_do_or_be_is_refused(made: Any, file: Path, tmp_path:
     with pytest.raises(Exception, match="Failed to instantiate"):
         stranger.start()
     assert "the instantiation token is not that of this unit" in stranger.messages[-1]
-    own = tmp_path / "mine.fmu"
-    own.write_text("mine")
+    users_file = tmp_path / "mine.fmu"
+    users_file.write_text("mine")
     scenario = ROOT / "scenarios/static_s1002.toml"
-    assert "wrsim did not write it" in refusal("fmu", scenario, "-o", own)
-    assert own.read_text() == "mine"
+    assert "wrsim did not write it" in refusal("fmu", scenario, "-o", users_file)
+    assert users_file.read_text() == "mine"
     assert "only runs along the track" in refusal("fmu", scenario, "-o", tmp_path / "static.fmu")
     assert "must end in .fmu" in refusal("fmu", scenario, "-o", tmp_path / "static.zip")
     assert "'--step-ms'" in refusal("fmu", scenario, "--step-ms", "7")
@@ -284,8 +284,12 @@ def test_a_unit_has_a_library_for_every_system_that_there_is_a_compiler_for(vers
             monkeypatch.setattr("wrsim.contact.library.build.find_spec", lambda name: None)
         written = write_unit(COACH, path, fmi=version)
         with zipfile.ZipFile(path) as archive:
-            found = sorted(name.removeprefix("binaries/") for name in archive.namelist() if name.startswith("binaries"))
-        assert found == (folders if zig else [name for name in folders if "aarch64" not in name and "linux" in name])
+            libraries = sorted(
+                name.removeprefix("binaries/") for name in archive.namelist() if name.startswith("binaries")
+            )
+        assert libraries == (
+            folders if zig else [name for name in folders if "aarch64" not in name and "linux" in name]
+        )
         assert len(written.lines) == told
     assert written.lines[1] == "not for linux-arm: needs zig: pip install 'wrsim[cross]'"
     with pytest.raises(WrsimError, match=r"^windows: needs zig"):

@@ -108,9 +108,9 @@ def test_a_wagon_that_lifts_off_its_springs_says_that_nothing_presses_its_guides
     monitor.look(0.1, q, q_t)
     loose = {event.part for event in monitor.events() if event.kind == "loose"}
     assert loose == {
-        f"{bogie}.{what} {to} {side}"
+        f"{bogie}.{slider} {to} {side}"
         for bogie in ("front", "rear")
-        for what in ("guide", "pusher")
+        for slider in ("guide", "pusher")
         for to in ("outer", "inner")
         for side in ("left", "right")
     }

@@ -25,10 +25,10 @@ def in_curve(contact: dict[str, Any], start: float = 10.0, way: float = 8.0) -> 
 
 def test_a_run_says_which_friction_acts_and_runs_behind_a_change_as_with_that_alone(wetted: Result) -> None:
     dataset = wetted.wheelset()
-    at, mu = dataset["distance"].values, dataset["rail_friction"].values
+    distance, mu = dataset["distance"].values, dataset["rail_friction"].values
     assert mu[:, 0] == pytest.approx(0.4)
     np.testing.assert_array_equal(mu, dataset["rail_friction_corner"].values)
-    x = np.clip((at - 12.0) / 2.0, 0.0, 1.0)
+    x = np.clip((distance - 12.0) / 2.0, 0.0, 1.0)
     # the outer rail is longer than the centre line by .4 %: a few um of a metre within the transition
     assert mu[:, 1] == pytest.approx(0.4 - 0.25 * x * x * (3.0 - 2.0 * x), abs=2e-5)
     wet = in_curve({"friction_sections": [WET | {"from_m": 1.0}]}, way=0.2)

@@ -68,10 +68,10 @@ def balance(scenario: Scenario, further: Further | None = None) -> tuple[Array, 
 
 def scenario(**keys: object) -> Scenario:
     """The motor coach on 130 m of straight track."""
-    own = {"vehicle.model": "vehicles/manchester_motor.toml", "track.segments": [straight(130.0)]}
-    own |= {"run.start_distance_m": 14.0, "run.output_interval_ms": 10.0}
-    given = {key.replace("__", "."): value for key, value in keys.items()}
-    return load(ROOT / "scenarios/manchester_r300.toml").with_values(COARSE | own | given)
+    base = {"vehicle.model": "vehicles/manchester_motor.toml", "track.segments": [straight(130.0)]}
+    base |= {"run.start_distance_m": 14.0, "run.output_interval_ms": 10.0}
+    changes = {key.replace("__", "."): value for key, value in keys.items()}
+    return load(ROOT / "scenarios/manchester_r300.toml").with_values(COARSE | base | changes)
 
 
 def test_what_motor_gear_and_axle_take_from_each_other_is_the_rate_of_what_turns():
@@ -79,8 +79,8 @@ def test_what_motor_gear_and_axle_take_from_each_other_is_the_rate_of_what_turns
     (drive, _), moment = vehicle.drives, 8e3
     driven = replace(vehicle, efforts=(Effort(drive.wheelset, ((0.0, moment),)),))
     out = {}
-    for name, own in (("driven", driven), ("free", vehicle)):
-        law = on_track(own, 20.0).law
+    for name, variant in (("driven", driven), ("free", vehicle)):
+        law = on_track(variant, 20.0).law
         q, q_t = design_state(law)
         q_t[law.gears[0]] = 2e-3  # twist of the hollow axle
         out[name] = np.zeros(law.size)
@@ -121,10 +121,10 @@ def kept(law: VehicleOnTrack, q: np.ndarray, q_t: np.ndarray) -> tuple[float, np
     vehicle, energy, momentum = law.vehicle, 0.0, np.zeros(3)
     left, about = {}, {}
     for i, part in enumerate(vehicle.parts):
-        own = slice(6 * i, 6 * i + 6)
-        body = kinematics(q[own], q_t[own])
+        coordinates = slice(6 * i, 6 * i + 6)
+        body = kinematics(q[coordinates], q_t[coordinates])
         if i >= len(vehicle.wheelsets):
-            body = pitched(body, q[own][5])
+            body = pitched(body, q[coordinates][5])
         axes, omega, velocity = (
             np.array(x) for x in ((body.forward, body.left, body.up), body.omega, body.velocity)
         )  # fmt: skip
@@ -186,8 +186,8 @@ def pulling(moment: float) -> tuple[np.ndarray, dict[str, float]]:
     names = [drive.wheelset for drive in vehicle.drives]
     efforts = tuple(Effort(name, ((0.0, moment),)) for name in names)
     law = on_track(replace(vehicle, loads=(drawbar,), efforts=efforts), 20.0).law
-    found = steady_state(law)
-    law.at(0.0, found.q, found.q_t)
+    steady = steady_state(law)
+    law.at(0.0, steady.q, steady.q_t)
     q = np.array([sum(wheel.model.arrays.total["Fb"] for wheel in pair) for pair in law.wheels])
     arms = {
         element.name: float(record[0])

@@ -29,8 +29,8 @@ table = rows_of(__file__)
 NEW, WORN = "rails/60E1.toml", "rails/60E1_worn.toml"
 
 
-def section(at: float, rail: str = NEW, **more: Any) -> dict[str, Any]:
-    return {"at_m": at, "rail": rail, **more}
+def section(place: float, rail: str = NEW, **more: Any) -> dict[str, Any]:
+    return {"at_m": place, "rail": rail, **more}
 
 
 @pytest.fixture(scope="module")
@@ -57,12 +57,12 @@ def test_a_check_rail_takes_a_wheelset_by_the_back_of_its_flange() -> None:
     """Its face is 6:1, its rail inclined 1:40. Before it all is as on the plain rail."""
     short = {"run.start_distance_m": 9.3, "run.distance_m": 1.5, "output.patches_at_m": []}
     scenario = load(SCENARIOS / "check_rail.toml").with_values(short | FAST)
-    own = run(scenario).wheelset()
+    checked = run(scenario).wheelset()
     plain = run(scenario.with_values({"track.rail_sections": [], "run.distance_m": 0.2})).wheelset()
     before = plain["lateral_shift"].values[0]
-    assert before < -6e-3 and own["lateral_shift"].values[0] == pytest.approx(before, abs=1e-8)
-    assert own["Q"].values[0] == pytest.approx(plain["Q"].values[0], rel=1e-5)
-    last = own.isel(time=-1)
+    assert before < -6e-3 and checked["lateral_shift"].values[0] == pytest.approx(before, abs=1e-8)
+    assert checked["Q"].values[0] == pytest.approx(plain["Q"].values[0], rel=1e-5)
+    last = checked.isel(time=-1)
     assert -4.4e-3 < last["lateral_shift"].item() < -4.0e-3
     patches = last.sel(wheel="left")
     back = int(np.nanargmin(patches["contact_angle"].values))
@@ -94,14 +94,14 @@ def test_a_wheel_that_drops_into_a_gap_says_where() -> None:
         "run.distance_m": 0.9,
         "output.patches_at_m": [],
     }
-    own = run(load(SCENARIOS / "rail_states.toml").with_values(values | {"vehicle.speed_kmh": 60} | FAST))
-    assert own.status == "stopped"
-    found = re.search(
-        r"wheel has dropped into a gap of its rail, or beside it, at .* ([\d.]+) m along the track", own.stop_reason
+    result = run(load(SCENARIOS / "rail_states.toml").with_values(values | {"vehicle.speed_kmh": 60} | FAST))
+    assert result.status == "stopped"
+    match = re.search(
+        r"wheel has dropped into a gap of its rail, or beside it, at .* ([\d.]+) m along the track", result.stop_reason
     )
-    assert found and 5.0 < float(found[1]) < 5.6
-    lifted = own.dataset["event_label"].values.tolist()
-    assert any("loses contact" in words for words in lifted)
+    assert match and 5.0 < float(match[1]) < 5.6
+    lifted = result.dataset["event_label"].values.tolist()
+    assert any("loses contact" in label for label in lifted)
 
 
 def write_sections(path: Path, heights: dict[float, float], features: str = "1 2") -> Path:
@@ -112,8 +112,8 @@ def write_sections(path: Path, heights: dict[float, float], features: str = "1 2
     marks = [""] * arc.size
     marks[int(w.argmax())] = features
     rows = [
-        f"{at:g},{y:.9f},{z:.9f},{mark}"
-        for at, up in heights.items()
+        f"{place:g},{y:.9f},{z:.9f},{mark}"
+        for place, up in heights.items()
         for y, z, mark in zip(u, w + up, marks, strict=True)
     ]
     path.write_text("\n".join(["at_m,outward_mm,up_mm,feature", *rows]), encoding="utf-8")
@@ -125,13 +125,13 @@ def test_a_table_of_sections_is_the_rail_of_its_files(tmp_path: Path) -> None:
     file = str(write_sections(tmp_path / "rail.csv", {-1.0: 0.0, 0.5: -1.0, 2.0: -2.0}))
     single = [section(4.0), section(5.5, down_mm=1.0), section(7.0, down_mm=2.0)]
     scenario = load(SCENARIOS / "rail_states.toml")
-    whole, one = (
-        build(scenario.with_values({"track.rail_sections": own, "track.inclination": "none"})).surfaces[1]
-        for own in (single, [{"at_m": 5.0, "table": file}])
+    whole, from_table = (
+        build(scenario.with_values({"track.rail_sections": sections, "track.inclination": "none"})).surfaces[1]
+        for sections in (single, [{"at_m": 5.0, "table": file}])
     )
-    assert whole is not None and one is not None
-    assert [own.distance for own in one.sections] == pytest.approx([4.0, 5.5, 7.0])
-    for ours, theirs in zip(one.sections, whole.sections, strict=True):
+    assert whole is not None and from_table is not None
+    assert [table_section.distance for table_section in from_table.sections] == pytest.approx([4.0, 5.5, 7.0])
+    for ours, theirs in zip(from_table.sections, whole.sections, strict=True):
         assert ours.features[0] == ours.features[1] == pytest.approx(ours.profile.top_arclength, abs=0.25e-3)
         arc = np.linspace(0.0, theirs.profile.length, 500)
         away = np.array(ours.profile.at(arc)) - np.array(theirs.profile.at(arc))
@@ -233,21 +233,21 @@ def test_a_rail_moved_like_its_vehicle_changes_no_force() -> None:
     n, size = 6 * len(law.bodies), rigid.size
     plain = np.zeros(size)
     rigid(0.0, q, q_t, plain)
-    both, both_t = np.concatenate([q, np.zeros(16)]), np.concatenate([q_t, np.zeros(16)])
-    rails = both[-16:].reshape(4, 2, 2)
-    rates = both_t[-16:].reshape(4, 2, 2)
+    q_all, q_t_all = np.concatenate([q, np.zeros(16)]), np.concatenate([q_t, np.zeros(16)])
+    rails = q_all[-16:].reshape(4, 2, 2)
+    rates = q_t_all[-16:].reshape(4, 2, 2)
     rails[:], rates[:] = (2e-3, -1e-3), (0.01, -0.02)
     for column, by in ((2, 2e-3), (0, -1e-3)):
-        both[column:n:6] += by
+        q_all[column:n:6] += by
     for column, by in ((2, 0.01), (0, -0.02)):
-        both_t[column:n:6] += by
+        q_t_all[column:n:6] += by
     out = np.zeros(law.size)
-    law(0.0, both, both_t, out)
+    law(0.0, q_all, q_t_all, out)
     # the pull along the track and round-off of the places are all that may differ
     assert out[:n] == pytest.approx(plain[:n], abs=5.0)
     # and each piece is accelerated by its wheel's force, spring and damper
-    forces = wheel_forces(law, both, both_t)
-    law(0.0, both, both_t, out)
+    forces = wheel_forces(law, q_all, q_t_all)
+    law(0.0, q_all, q_t_all, out)
     expected = (forces - rails * np.array(TRACK.stiffness) - rates * np.array(TRACK.damping)) / np.array(TRACK.mass)
     assert out[-16:].reshape(4, 2, 2) == pytest.approx(expected, rel=1e-12)
 
@@ -256,11 +256,11 @@ def test_a_rail_without_its_wheel_swings_at_its_own_frequency() -> None:
     law = train(True).law
     q, q_t = design_state(law)
     q[: 6 * len(law.bodies) : 6] += 0.05  # lifted off
-    found = eigenvalues((own := train(True).system).forces, own.bodies, q, q_t)
+    values = eigenvalues((system := train(True).system).forces, system.bodies, q, q_t)
     for stiffness, damping, mass in zip(TRACK.stiffness, TRACK.damping, TRACK.mass, strict=True):
         half = 0.5 * damping / mass
         expected = -half + 1j * np.sqrt(stiffness / mass - half**2)
-        assert (np.abs(found - expected) < 1e-3 * abs(expected)).sum() == 8
+        assert (np.abs(values - expected) < 1e-3 * abs(expected)).sum() == 8
 
 
 # Wheels out of round in vehicle files, scenarios, poses and runs.
@@ -275,35 +275,35 @@ def with_table(**table):
 
 
 def test_a_vehicle_file_gives_its_wheels_their_shape(tmp_path):
-    own = tmp_path / "wheelset.toml"
-    own.write_text(
+    vehicle_file = tmp_path / "wheelset.toml"
+    vehicle_file.write_text(
         WHEELSET.read_text().replace("wheels/", f"{ROOT}/models/wheels/")
         + '\n[[wheelset.out_of_round]]\nkind = "flat"\nwheel = "right"\nlength_mm = 40\nat_deg = 90\n'
         + '[[wheelset.out_of_round]]\nkind = "harmonic"\norder = 3\namplitude_mm = 0.1\nphase_deg = 90\n'
     )
-    wheelset = load_vehicle(own).wheelsets[0].wheelset
+    wheelset = load_vehicle(vehicle_file).wheelsets[0].wheelset
     wave = Harmonic(3, 0.1 * MM, np.pi / 2)
     assert wheelset.left.out_of_round == (wave,)
-    flat, other = wheelset.right.out_of_round
-    assert other == wave and isinstance(flat, Flat)
+    flat, wave_of_right = wheelset.right.out_of_round
+    assert wave_of_right == wave and isinstance(flat, Flat)
     assert_allclose([flat.length, flat.angle, flat.deepest], [0.04, np.pi / 2, 0.04**2 / (8 * R)], rtol=1e-3)
     assert wheelset.with_wheel("right", None, 0.45).right.out_of_round == (flat, wave)
 
 
-@pytest.mark.parametrize("table, words", table("what_cannot_be_is_refused_with_its_key"))
-def test_what_cannot_be_is_refused_with_its_key(table, words):
+@pytest.mark.parametrize("table, message", table("what_cannot_be_is_refused_with_its_key"))
+def test_what_cannot_be_is_refused_with_its_key(table, message):
     with pytest.raises(InputError) as error:
         build(with_table(**table))
-    assert words in str(error.value) and "vehicle.out_of_round[0]" in str(error.value)
+    assert message in str(error.value) and "vehicle.out_of_round[0]" in str(error.value)
 
 
-@pytest.mark.parametrize("rows, words", table("a_file_of_radii_that_is_no_wheel_is_refused_with_its_line"))
-def test_a_file_of_radii_that_is_no_wheel_is_refused_with_its_line(tmp_path, rows, words):
+@pytest.mark.parametrize("rows, message", table("a_file_of_radii_that_is_no_wheel_is_refused_with_its_line"))
+def test_a_file_of_radii_that_is_no_wheel_is_refused_with_its_line(tmp_path, rows, message):
     file = tmp_path / "radii.csv"
     file.write_text(rows)
     with pytest.raises(InputError) as error:
         build(with_table(kind="radius", file=str(file)))
-    assert f"{file}" in str(error.value) and words in str(error.value)
+    assert f"{file}" in str(error.value) and message in str(error.value)
 
 
 def test_measured_radii_and_sections_are_the_wave_that_they_were_made_of(tmp_path):
@@ -313,9 +313,9 @@ def test_measured_radii_and_sections_are_the_wave_that_they_were_made_of(tmp_pat
     file.write_text("\n".join(["angle_deg,deviation_um", *rows]))
     (part,) = build(with_table(kind="radius", file=str(file))).wheelset.left.out_of_round
     angles = np.arange(720) * np.pi / 360
-    found = part.depth(angles, np.zeros(0), R)[:, 0]
+    depth_of_table = part.depth(angles, np.zeros(0), R)[:, 0]
     # a wave of 3 around is 0.5^((3 / 289)^2) of itself behind a limit of 10 mm
-    assert_allclose(found, -1e-4 * np.cos(3 * angles), atol=2e-8)
+    assert_allclose(depth_of_table, -1e-4 * np.cos(3 * angles), atol=2e-8)
     for name, conicity in (("a", 0.025), ("b", 0.035)):
         (tmp_path / f"{name}.toml").write_text(
             f'name = "{name}"\nbody = "wheel"\nkind = "cone"\nconicity = {conicity}\nfrom_mm = -50\nto_mm = 60\n'

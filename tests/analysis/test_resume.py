@@ -137,9 +137,9 @@ def test_a_full_disk_ends_the_run_with_one_sentence_and_a_readable_file(kept):
 
 def test_a_file_of_something_else_is_refused(tmp_path):
     path = tmp_path / "x.part"
-    for content, words in ((b"\x89HDF....", "not the file of a run"), (b"wrsim", "cut off before its start")):
+    for content, message in ((b"\x89HDF....", "not the file of a run"), (b"wrsim", "cut off before its start")):
         path.write_bytes(content)
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(InputError, match=message):
             recorded_motion(path)
     with pytest.raises(InputError, match="there is no such file"):
         recorded_motion(tmp_path / "y.part")
@@ -235,13 +235,13 @@ def test_kill_9_then_show_then_resume_gives_the_same_result(whole, tmp_path, mon
 
     shown = ok("show", out)
     assert "stopped: the run was cut off when its process ended; results up to t = 0." in shown.output
-    part, there = recorded(record).dataset, Result.load(whole).dataset
+    part, uninterrupted = recorded(record).dataset, Result.load(whole).dataset
     n = part.sizes["time"] - 1
-    assert 10 < n < there.sizes["time"]
-    assert np.array_equal(part["Q"].values[:n], there["Q"].values[:n])
+    assert 10 < n < uninterrupted.sizes["time"]
+    assert np.array_equal(part["Q"].values[:n], uninterrupted["Q"].values[:n])
 
     ok("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
-    assert Result.load(out).dataset.identical(there)
+    assert Result.load(out).dataset.identical(uninterrupted)
     assert not record.exists()
 
 

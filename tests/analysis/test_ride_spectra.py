@@ -20,26 +20,26 @@ def noise(seed: int = 1) -> np.ndarray:
 
 
 def test_the_density_of_white_noise_is_its_variance_over_the_band():
-    found = spectrum(noise(), RATE)
-    assert found.frequency[1] == pytest.approx(0.1)
-    assert found.segments == 23
+    density = spectrum(noise(), RATE)
+    assert density.frequency[1] == pytest.approx(0.1)
+    assert density.segments == 23
     level = 2.0 / RATE
-    inside = (found.frequency > 1.0) & (found.frequency < 190.0)
+    inside = (density.frequency > 1.0) & (density.frequency < 190.0)
     # the mean of 1890 lines of 23 half-dependent segments: 0.6 %
-    assert found.density[inside].mean() == pytest.approx(level, rel=0.02)
-    assert found.rms() == pytest.approx(1.0, rel=0.01)
+    assert density.density[inside].mean() == pytest.approx(level, rel=0.02)
+    assert density.rms() == pytest.approx(1.0, rel=0.01)
 
 
 def test_a_sine_has_its_power_in_its_band_and_third_octaves_share_out_all_of_it():
-    found = third_octaves(spectrum(3.0 * np.sin(2.0 * pi * 5.0 * TIME), RATE))
-    of_five = found.nominal.index(5.0)
-    assert found.rms[of_five] == pytest.approx(3.0 / sqrt(2.0), rel=1e-3)
-    assert np.delete(found.rms, of_five).max() < 1e-3
-    found = spectrum(noise(), RATE)
-    bands = third_octaves(found, 1.0)
+    bands_of_sine = third_octaves(spectrum(3.0 * np.sin(2.0 * pi * 5.0 * TIME), RATE))
+    of_five = bands_of_sine.nominal.index(5.0)
+    assert bands_of_sine.rms[of_five] == pytest.approx(3.0 / sqrt(2.0), rel=1e-3)
+    assert np.delete(bands_of_sine.rms, of_five).max() < 1e-3
+    density = spectrum(noise(), RATE)
+    bands = third_octaves(density, 1.0)
     assert bands.nominal[:4] == (1.0, 1.25, 1.6, 2.0)
     assert bands.high[:-1] == pytest.approx(bands.low[1:])
-    whole = found.rms(bands.low[0], bands.high[-1])
+    whole = density.rms(bands.low[0], bands.high[-1])
     assert sqrt((bands.rms**2).sum()) == pytest.approx(whole, rel=1e-12)
     # 3 dB an octave: white noise
     assert bands.rms[10:] == pytest.approx(np.sqrt(2.0 / RATE * (bands.high - bands.low)[10:]), rel=0.06)
@@ -61,8 +61,8 @@ def test_weightings_have_the_factors_of_the_table_of_ISO_2631(name, frequency, v
 
 def test_the_weighted_rms_is_the_weighted_power():
     signal = noise(3)
-    found = spectrum(signal, RATE)
-    power = np.trapezoid(abs(WEIGHTINGS["Wb"].response(found.frequency)) ** 2 * found.density, found.frequency)
+    density = spectrum(signal, RATE)
+    power = np.trapezoid(abs(WEIGHTINGS["Wb"].response(density.frequency)) ** 2 * density.density, density.frequency)
     assert weighted(signal, RATE, "Wb").std() == pytest.approx(sqrt(power), rel=0.02)
 
 
@@ -70,43 +70,43 @@ def test_comfort_of_a_steady_vibration_is_six_times_its_weighted_sum():
     amplitudes = np.array([0.1, 0.2, 0.3])
     acceleration = np.outer(np.sin(2.0 * pi * 3.0 * TIME), amplitudes)
     factors = np.array([abs(WEIGHTINGS[n].response(np.array([3.0])))[0] for n in ("Wd", "Wd", "Wb")])
-    found = comfort(acceleration, RATE)
+    evaluated = comfort(acceleration, RATE)
     expected = factors * amplitudes / sqrt(2.0)
-    assert len(found.continuous) == 24
-    assert found.weighted_rms == pytest.approx(expected, rel=5e-3)
-    assert found.continuous[5:-1] == pytest.approx(np.tile(expected, (18, 1)), rel=1e-3)
-    assert found.mean == pytest.approx(6.0 * sqrt((expected**2).sum()), rel=5e-3)
+    assert len(evaluated.continuous) == 24
+    assert evaluated.weighted_rms == pytest.approx(expected, rel=5e-3)
+    assert evaluated.continuous[5:-1] == pytest.approx(np.tile(expected, (18, 1)), rel=1e-3)
+    assert evaluated.mean == pytest.approx(6.0 * sqrt((expected**2).sum()), rel=5e-3)
     assert np.isnan(comfort(acceleration[:100], RATE).mean)
 
 
 def test_the_comfort_of_a_vibration_that_grows_is_that_of_its_95th_percentile_block():
     # 24 blocks of 1, 2, ... 24 times the first; the switch from one to the next rings for a little
     growing = np.sin(2.0 * pi * 3.0 * TIME) * (1.0 + TIME // 5.0)
-    found = comfort(np.outer(growing, np.ones(3)), RATE)
+    evaluated = comfort(np.outer(growing, np.ones(3)), RATE)
     steady = np.array([abs(WEIGHTINGS[n].response(np.array([3.0])))[0] for n in ("Wd", "Wd", "Wb")]) / sqrt(2.0)
-    assert found.percentiles == pytest.approx((1.0 + 0.95 * 23.0) * steady, rel=0.01)
+    assert evaluated.percentiles == pytest.approx((1.0 + 0.95 * 23.0) * steady, rel=0.01)
 
 
 def test_the_ride_of_sines_is_known():
-    found = evaluate_ride(sines())
-    assert found.points == ("front", "rear")
-    rms = found.data["rms"]
+    evaluated = evaluate_ride(sines())
+    assert evaluated.points == ("front", "rear")
+    rms = evaluated.data["rms"]
     assert rms.sel(point="front", axis="y").item() == pytest.approx(0.3 / sqrt(2.0), rel=1e-3)
     assert rms.sel(point="front", axis="x").item() == 0.0
-    band = found.data["band_rms"].sel(point="rear", axis="z")
+    band = evaluated.data["band_rms"].sel(point="rear", axis="z")
     assert band.sel(band=5.0).item() == pytest.approx(1.0 / sqrt(2.0), rel=2e-3)
     factor = abs(WEIGHTINGS["Wb"].response(np.array([5.0])))[0]
-    weighted_rms = found.data["weighted_rms"].sel(point="rear", axis="z").item()
+    weighted_rms = evaluated.data["weighted_rms"].sel(point="rear", axis="z").item()
     assert weighted_rms == pytest.approx(factor / sqrt(2.0), rel=0.01)
-    assert found.data.attrs["blocks"] == 12
+    assert evaluated.data.attrs["blocks"] == 12
 
 
 def test_the_stretch_and_the_resolution_come_from_the_scenario():
     text = "[ride]\nfrom_m = 200\nto_m = 800\nresolution_Hz = 0.5\n"
-    found = evaluate_ride(sines(scenario_text=text))
-    assert (found.start, found.end) == (pytest.approx(200.0), pytest.approx(800.0))
-    assert found.duration == pytest.approx(30.0)
-    assert found.data["frequency"].values[1] == pytest.approx(0.5)
+    evaluated = evaluate_ride(sines(scenario_text=text))
+    assert (evaluated.start, evaluated.end) == (pytest.approx(200.0), pytest.approx(800.0))
+    assert evaluated.duration == pytest.approx(30.0)
+    assert evaluated.data["frequency"].values[1] == pytest.approx(0.5)
     late = sines()
     late.dataset["distance"][0] = -1.9e-6  # of a position that an implicit step takes back
     with pytest.raises(

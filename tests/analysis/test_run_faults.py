@@ -115,20 +115,20 @@ def fast_ride(speed: float):
     """A wheelset on straight track, its watch, and its state at rest on the rails."""
     straight_run = setup_of([straight(100.0)], speed, STEERING)
     going = ride(straight_run)
-    found = going.steady(("z", "roll", "spin"))
-    return straight_run, going, found
+    rest = going.steady(("z", "roll", "spin"))
+    return straight_run, going, rest
 
 
 def watched(speed: float, lift: float, seconds: float) -> str | None:
     """What the watch says to a wheelset held ``lift`` above its rails for some time at a speed."""
-    _, going, found = fast_ride(speed)
+    _, going, rest = fast_ride(speed)
     watch = Monitor(going.law, speed)
     answer = None
     for t in np.arange(0.0, seconds, watch.interval):
-        q = found.q.copy()
+        q = rest.q.copy()
         q[0] += lift if t > 0.0 else 0.0
         q[1] += speed * t
-        answer = answer or watch(float(t), q, found.q_t)
+        answer = answer or watch(float(t), q, rest.q_t)
     return answer
 
 
@@ -142,10 +142,10 @@ def test_a_hop_is_no_derailment_however_fast_nor_a_slow_creep_in_the_air_however
 
 
 def test_wheels_deep_in_their_rails_are_a_lost_solution():
-    _, going, found = fast_ride(20.0)
-    q = found.q.copy()
+    _, going, rest = fast_ride(20.0)
+    q = rest.q.copy()
     q[0] -= 4e-3
-    answer = Monitor(going.law, 20.0)(1.0, q, found.q_t)
+    answer = Monitor(going.law, 20.0)(1.0, q, rest.q_t)
     assert answer is not None
     assert answer.startswith("the contact solution is lost: the ")
     assert "overlap by 4" in answer
@@ -299,8 +299,8 @@ def test_a_lifted_wheel_is_an_event_and_a_longer_flight_a_derailment() -> None:
         ("lift", "front.outer", "left"),
         ("lift", "front.outer", "right"),
     ]
-    words = event_words(monitor.events()[0], monitor.law.vehicle)
-    assert words.startswith("the left wheel of wheelset front.outer loses contact for ")
+    text = event_words(monitor.events()[0], monitor.law.vehicle)
+    assert text.startswith("the left wheel of wheelset front.outer loses contact for ")
     moved = q.copy()
     moved[: 6 * 7].reshape(-1, 6)[:, 1] += 3.5
     reason = monitor(0.3, moved, q_t)
@@ -432,7 +432,7 @@ def test_what_a_contact_has_to_say_is_said(name: str, monkeypatch: pytest.Monkey
         status &= ~(STATUS_NOT_CONVERGED | STATUS_LOAD_UNSOLVED)
     report(monkeypatch, status)
     said = ANALYSES[name]()
-    assert [words for bit, words in WORDS.items() if bit & status and words not in said] == [], said
+    assert [text for bit, text in WORDS.items() if bit & status and text not in said] == [], said
 
 
 FLAT = {"kind": "flat", "wheel": "left", "shape": "fresh", "length_mm": 40, "edge_mm": 12, "at_deg": 5.0}
@@ -484,13 +484,13 @@ def test_a_contact_s_event_says_where_and_how_long(monkeypatch: pytest.MonkeyPat
     for t in (0.1, 0.105):
         q[1] += 0.1
         monitor(t, q, q_t)
-    words = [event_words(event, monitor.law.vehicle) for event in monitor.events()]
-    (at_end,) = (own for own in words if own.startswith(f"the left wheel: {WORDS[STATUS_PROFILE_END]}"))
+    texts = [event_words(event, monitor.law.vehicle) for event in monitor.events()]
+    (at_end,) = (text for text in texts if text.startswith(f"the left wheel: {WORDS[STATUS_PROFILE_END]}"))
     assert ", for 0.10 m, 5 ms: the outer end of profile " in at_end
-    assert f"the right wheel: {WORDS[STATUS_NOT_CONVERGED]}, for 0.10 m, 5 ms" in words
+    assert f"the right wheel: {WORDS[STATUS_NOT_CONVERGED]}, for 0.10 m, 5 ms" in texts
     monitor.watched["steps"], monitor.watched["substitutes"] = 40, 3
-    words = [event_words(event, monitor.law.vehicle) for event in monitor.events()]
-    assert any(own.endswith(", for 0.10 m, 5 ms (in all 3 evaluations in 40 steps)") for own in words)
+    texts = [event_words(event, monitor.law.vehicle) for event in monitor.events()]
+    assert any(text.endswith(", for 0.10 m, 5 ms (in all 3 evaluations in 40 steps)") for text in texts)
     assert list(monitor.statuses) == [STATUS_PROFILE_END | STATUS_NOT_CONVERGED] * 2
 
 
@@ -505,11 +505,11 @@ def test_steps_that_are_cut_are_an_event_and_told_at_once_when_there_are_many(ca
     assert "cut again and again since t = 0.005 s, 0.02 m along the track" in caplog.text
     assert monitors.log.name in caplog.text
     (event,) = monitor.events()
-    words = event_words(event, monitor.law.vehicle)
-    assert words == f"time steps that Newton's method did not solve were subdivided for 0.21 m, {5 * (MANY + 1)} ms"
-    other, *_ = watch()
-    other.set_state(monitor.get_state())
-    assert (other.events(), other.cut_steps) == (monitor.events(), MANY + 2)
+    text = event_words(event, monitor.law.vehicle)
+    assert text == f"time steps that Newton's method did not solve were subdivided for 0.21 m, {5 * (MANY + 1)} ms"
+    restored, *_ = watch()
+    restored.set_state(monitor.get_state())
+    assert (restored.events(), restored.cut_steps) == (monitor.events(), MANY + 2)
 
 
 def test_a_wheel_that_leaves_the_end_of_a_rail_profile_names_profile_and_end(tmp_path) -> None:
@@ -522,6 +522,6 @@ def test_a_wheel_that_leaves_the_end_of_a_rail_profile_names_profile_and_end(tmp
     result = run(wheelset("curve_r300.toml", track__rail=str(tmp_path / "short.toml"), run__distance_m=60))
     where = "the outer end of profile 'short' (u = -4 mm)"
     assert any(
-        WORDS[STATUS_PROFILE_END] in own["event"] and where in own["event"] for own in result.summary()["events"]
+        WORDS[STATUS_PROFILE_END] in entry["event"] and where in entry["event"] for entry in result.summary()["events"]
     )
     assert result.status == "stopped" and where in result.stop_reason

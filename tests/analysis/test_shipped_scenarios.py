@@ -42,7 +42,11 @@ def of_each(left_out: set[str]) -> pytest.MarkDecorator:
     """All shipped scenarios; those left out of the suite are in the campaign."""
     marks = [(pytest.mark.campaign,) if file.stem in left_out else () for file in FILES]
     return pytest.mark.parametrize(
-        "file", [pytest.param(file, marks=own, id=file.stem) for file, own in zip(FILES, marks, strict=True)]
+        "file",
+        [
+            pytest.param(file, marks=marks_of_file, id=file.stem)
+            for file, marks_of_file in zip(FILES, marks, strict=True)
+        ],
     )
 
 
@@ -111,11 +115,11 @@ EXACT = [
 
 @pytest.mark.parametrize(("name", "wheel", "channel", "values", "near"), EXACT)
 def test_contacts_in_curves_are_those_of_the_exact_solver(name, wheel, channel, values, near):
-    own = in_the_curve(name).sel(wheel=wheel)
-    assert int(own["n_patches"]) == len(values)
-    found = own[channel].values[: len(values)]
-    order = np.argsort(own["contact_angle"].values[: len(values)])
-    assert found[order] == pytest.approx(np.asarray(values), **near)
+    wheel_data = in_the_curve(name).sel(wheel=wheel)
+    assert int(wheel_data["n_patches"]) == len(values)
+    patch_values = wheel_data[channel].values[: len(values)]
+    order = np.argsort(wheel_data["contact_angle"].values[: len(values)])
+    assert patch_values[order] == pytest.approx(np.asarray(values), **near)
 
 
 def test_grease_on_the_gauge_corner_saves_wear_and_costs_steering():

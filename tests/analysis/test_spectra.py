@@ -59,11 +59,11 @@ def test_a_polygon_on_sleepers_is_a_line_in_the_force_and_at_the_axle_box():
     result = wrsim.run(load(SCENARIOS / "flat_on_sleepers.toml").with_values(keys))
     expected = order * speed / 3.6 / (2.0 * pi * radius)
     for channel in ("Q", "axle_box_acceleration"):
-        found = spectra(result, channel).value.sel(wheelset="wheelset", wheel="left")
-        assert found.attrs["rate_Hz"] == pytest.approx(2000.0)
-        assert float(found["density"].idxmax()) == pytest.approx(expected, abs=float(found["frequency"][1]))
-        line = float(found["band"][int(found["band_rms"].argmax("band"))])
-        assert found["band_low"].sel(band=line) <= expected <= found["band_high"].sel(band=line)
+        spectrum = spectra(result, channel).value.sel(wheelset="wheelset", wheel="left")
+        assert spectrum.attrs["rate_Hz"] == pytest.approx(2000.0)
+        assert float(spectrum["density"].idxmax()) == pytest.approx(expected, abs=float(spectrum["frequency"][1]))
+        line = float(spectrum["band"][int(spectrum["band_rms"].argmax("band"))])
+        assert spectrum["band_low"].sel(band=line) <= expected <= spectrum["band_high"].sel(band=line)
 
 
 @pytest.mark.usefixtures("sketched")
@@ -76,7 +76,7 @@ def test_the_command_leaves_tables_and_a_picture(tmp_path):
     assert {"spectra_Q.csv", "spectra_Q.png"} <= {p.name for p in tmp_path.iterdir()}
 
 
-@pytest.mark.parametrize("channel, options, words", table("what_has_no_spectrum_is_one_clear_error"))
-def test_what_has_no_spectrum_is_one_clear_error(channel, options, words):
-    with pytest.raises(InputError, match=words):
+@pytest.mark.parametrize("channel, options, message", table("what_has_no_spectrum_is_one_clear_error"))
+def test_what_has_no_spectrum_is_one_clear_error(channel, options, message):
+    with pytest.raises(InputError, match=message):
         spectra(synthetic(), channel, **options)

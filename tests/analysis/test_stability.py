@@ -40,11 +40,11 @@ def modes() -> Result:
 
 
 def test_cooperriders_bogie_begins_to_hunt_at_the_published_speed():
-    found = modes().dataset.attrs
+    attributes = modes().dataset.attrs
     # 68.64 m/s at 3.998 Hz: plane model of the reference (published 68.66); the issue asks for 0.1 m/s and 0.5 %
-    assert found["critical_speed_m_s"] == pytest.approx(68.64, abs=0.1)
-    assert found["critical_frequency_Hz"] == pytest.approx(3.998, rel=0.005)
-    assert "frame lateral" in found["critical_mode"]
+    assert attributes["critical_speed_m_s"] == pytest.approx(68.64, abs=0.1)
+    assert attributes["critical_frequency_Hz"] == pytest.approx(3.998, rel=0.005)
+    assert "frame lateral" in attributes["critical_mode"]
     growth = modes().dataset["growth_max"].values
     assert (growth[:3] < 0.0).all() and growth[3] > 0.0
 
@@ -119,10 +119,10 @@ def test_an_interrupted_or_useless_search_for_limit_cycles_says_so():
     assert "no limit cycle below the linear critical speed; the lowest one found is at 233.4 km/h" in soft.values()
     hard = nonlinear_outcome(220.0 / 3.6, 231.5 / 3.6, 60.0 / 3.6)
     assert hard == {"nonlinear_critical_speed_m_s": 220.0 / 3.6}
-    found = run(cooperrider(speed_kmh=100, cycle_start_kmh=120, longest_s=3)).dataset
-    assert np.isnan(found.attrs["nonlinear_critical_speed_m_s"])
-    assert found.attrs["nonlinear_note"].startswith("no limit cycle at 120 km/h, where the search begins: ")
-    assert found.sizes["cycle"] == 1
+    dataset = run(cooperrider(speed_kmh=100, cycle_start_kmh=120, longest_s=3)).dataset
+    assert np.isnan(dataset.attrs["nonlinear_critical_speed_m_s"])
+    assert dataset.attrs["nonlinear_note"].startswith("no limit cycle at 120 km/h, where the search begins: ")
+    assert dataset.sizes["cycle"] == 1
 
 
 @pytest.mark.usefixtures("sketched")
@@ -133,9 +133,9 @@ def test_a_study_reads_well_on_screen_on_disk_and_as_pictures(tmp_path):
         )
     )
     assert result.dataset["cycle_amplitude"].dims == ("cycle", "wheelset")
-    found = tables(result.dataset)
-    assert found["modes"][0][:2] == ["pose_speed_kmh", "mode_branch"]
-    assert len(found["cycles"]) == 1 + result.dataset.sizes["cycle"]
+    written = tables(result.dataset)
+    assert written["modes"][0][:2] == ["pose_speed_kmh", "mode_branch"]
+    assert len(written["cycles"]) == 1 + result.dataset.sizes["cycle"]
     head, _, held = result.numbers()
     assert head.notes[0].startswith("linear critical speed 247") and held.rows[0][1] == "from above"
     pictures = standard_pictures(result.dataset, tmp_path)
@@ -180,12 +180,12 @@ BETWEEN = 480
 def setup(conicity: float = 0.3, yaw_dampers: bool = True) -> Setup[StabilityPlan]:
     """The shipped scenario without its limit cycles."""
     values = {"contact.conical.conicity": conicity, "stability.nonlinear": False, "stability.speed_kmh": BETWEEN}
-    found = build(load(SCENARIOS / "stability_crh380a.toml").with_values(values))
+    complete = build(load(SCENARIOS / "stability_crh380a.toml").with_values(values))
     if yaw_dampers:
-        return found
-    others = tuple(e for e in found.vehicle.elements if "yaw damper" not in e.name)
-    assert len(others) == len(found.vehicle.elements) - 4
-    return replace(found, vehicle=replace(found.vehicle, elements=others))
+        return complete
+    remaining = tuple(e for e in complete.vehicle.elements if "yaw damper" not in e.name)
+    assert len(remaining) == len(complete.vehicle.elements) - 4
+    return replace(complete, vehicle=replace(complete.vehicle, elements=remaining))
 
 
 def growth(conicity: float = 0.3, yaw_dampers: bool = True) -> float:
@@ -198,7 +198,7 @@ def test_its_springs_carry_the_masses_of_the_source_and_sink_by_both_stages_in_s
     total = 40840.0 + 2.0 * 2280.0 + 4.0 * 1901.8
     loads = static_state(vehicle).wheel_loads
     assert loads == pytest.approx(np.full((4, 2), total * vehicle.gravity / 8.0), rel=1e-9)
-    up = {e.name: own.force[-1] for e, own in zip(vehicle.elements, preloads(vehicle), strict=True)}
+    up = {e.name: preload.force[-1] for e, preload in zip(vehicle.elements, preloads(vehicle), strict=True)}
     air = [abs(force) for name, force in up.items() if "air spring" in name]
     assert air == pytest.approx([40840.0 * vehicle.gravity / 4.0] * 4, rel=1e-9)
     assert [force for name, force in up.items() if "bushing" in name] == pytest.approx([0.0] * 8, abs=1e-6)

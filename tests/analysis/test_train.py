@@ -36,29 +36,29 @@ def scenario(folder: Path, *changes: tuple[str, str], **keys: Any) -> Scenario:
         assert old in text
         text = text.replace(old, new)
     (folder / "train.toml").write_text(text, encoding="utf-8")
-    own: dict[str, Any] = {"vehicle.model": str(folder / "train.toml"), "vehicle.loads": [], "output.patches_at_m": []}
-    return load(SCENARIOS / "train_s_curve.toml").with_values(own | FAST | keys)
+    base: dict[str, Any] = {"vehicle.model": str(folder / "train.toml"), "vehicle.loads": [], "output.patches_at_m": []}
+    return load(SCENARIOS / "train_s_curve.toml").with_values(base | FAST | keys)
 
 
 def test_vehicles_that_nothing_couples_run_as_each_does_alone() -> None:
     """Two coaches into a curve, RK44: states within 1e-9 m and rad of those of either coach on its own."""
     train, speed, start = coaches(2), 15.0, 60.0
-    own = train.elements[: 2 * len(manchester().elements)]
-    assert not any("-coach" in element.name for element in own)
+    inner = train.elements[: 2 * len(manchester().elements)]
+    assert not any("-coach" in element.name for element in inner)
     segments = (Straight(start + 11.0), Arc(200.0, 300.0))
-    both = on_track(replace(train, elements=own, couplings=()), speed, segments, start)
-    q, q_t = np.zeros((2, both.law.size))
+    pair = on_track(replace(train, elements=inner, couplings=()), speed, segments, start)
+    q, q_t = np.zeros((2, pair.law.size))
     alone = []
     axles = len(manchester().wheelsets)
-    for k, places in enumerate(both.law.coordinates_of_units()):
+    for k, places in enumerate(pair.law.coordinates_of_units()):
         behind = train.wheelsets[k * axles].x - manchester().wheelsets[0].x
-        one = on_track(manchester(), speed, segments, start + behind)
-        found = steady_state(one.law)
-        q[places], q_t[places] = found.q, found.q_t
+        single = on_track(manchester(), speed, segments, start + behind)
+        rest = steady_state(single.law)
+        q[places], q_t[places] = rest.q, rest.q_t
         alone.append(
-            (places, Integration(one.system, duration=0.1, step=5e-4, integrator="rk44").run(found.q, found.q_t))
+            (places, Integration(single.system, duration=0.1, step=5e-4, integrator="rk44").run(rest.q, rest.q_t))
         )
-    together = Integration(both.system, duration=0.1, step=5e-4, integrator="rk44").run(q, q_t)
+    together = Integration(pair.system, duration=0.1, step=5e-4, integrator="rk44").run(q, q_t)
     assert np.ptp(alone[0][1].q[:, 2]) > 2e-5  # the first one is in the curve, and steers
     bodies = 6 * 7
     for places, motion in alone:
@@ -106,10 +106,10 @@ def test_the_ends_of_vehicles_swing_through_an_s_curve_as_chords_do(tmp_path: Pa
     left = np.stack([-forward[:, 1], forward[:, 0]], axis=1)
     offset = np.einsum("ij,ij->i", (end_ahead - end_behind)[:, :2], left)
     yaw = np.arcsin(np.cross(behind, ahead)[:, 2])
-    found = d["coupling_offset"].values[:, 0]
+    offsets = d["coupling_offset"].values[:, 0]
     assert np.abs(offset).max() > 0.35
-    assert np.abs(found).max() == pytest.approx(np.abs(offset).max(), rel=0.01)
-    assert np.abs(found - offset).max() < 0.02 * np.abs(offset).max()  # the coaches sway on their springs
+    assert np.abs(offsets).max() == pytest.approx(np.abs(offset).max(), rel=0.01)
+    assert np.abs(offsets - offset).max() < 0.02 * np.abs(offset).max()  # the coaches sway on their springs
     assert np.abs(d["coupling_yaw"].values[:, 0] - yaw).max() < 0.01 * np.abs(yaw).max()
     # in the full arc, in closed form: the overhang of either end beyond the centre line is alike on both coaches
     overhang = ((0.5 * LENGTH) ** 2 - (0.5 * PIVOTS) ** 2) / (2.0 * 190.0)
@@ -134,16 +134,16 @@ def test_modes_of_a_train_that_hardly_anything_couples_are_those_of_each_vehicle
     """Eigenvalues of two coaches at 100 km/h: those of one, twice, within 1e-3 of their size."""
     (tmp_path / "train.toml").write_text(TRAIN.replace("count = 3", "count = 2"), encoding="utf-8")
     base = load(SCENARIOS / "stability_manchester.toml")
-    found = []
+    eigenvalues = []
     for model in ("vehicles/manchester_1.toml", str(tmp_path / "train.toml")):
         setup = build(base.with_values({"vehicle.model": model} | FAST))
-        own = [element for element in setup.vehicle.elements if "-coach" not in element.name]
-        loose = replace(setup, vehicle=replace(setup.vehicle, elements=tuple(own), couplings=()))
+        inner = [element for element in setup.vehicle.elements if "-coach" not in element.name]
+        loose = replace(setup, vehicle=replace(setup.vehicle, elements=tuple(inner), couplings=()))
         rolling = RollingVehicle(loose, 27.8)
-        found.append(rolling.modes(27.8, replace(setup.plan, highest=30.0)).values)
-    one, both = found
-    assert len(both) == 2 * len(one) > 20
-    apart = np.abs(np.repeat(one, 2)[:, None] - both[None, :]) / np.abs(both)
+        eigenvalues.append(rolling.modes(27.8, replace(setup.plan, highest=30.0)).values)
+    of_coach, of_train = eigenvalues
+    assert len(of_train) == 2 * len(of_coach) > 20
+    apart = np.abs(np.repeat(of_coach, 2)[:, None] - of_train[None, :]) / np.abs(of_train)
     assert apart[linear_sum_assignment(apart)].max() < 1e-3
 
 
@@ -175,8 +175,8 @@ def test_a_train_of_three_takes_all_cores_and_a_coach_one(monkeypatch: pytest.Mo
     asked: list[int] = []
     monkeypatch.setattr("wrsim.analysis.resolved", lambda _: lambda setup, *_: asked.append(setup.threads))
     train, coach = load(SCENARIOS / "train_s_curve.toml"), load(SCENARIOS / "manchester_r300.toml")
-    for case, given in ((train, {}), (train, {"threads": 1}), (coach, {})):
-        run(case, **given)
+    for case, options in ((train, {}), (train, {"threads": 1}), (coach, {})):
+        run(case, **options)
     assert asked == [cores(), 1, 1]
     monkeypatch.setattr("wrsim.jit.compiling.use_threads", lambda _: use_threads(10**6))
     run(train)

@@ -20,9 +20,9 @@ GAUGES = (1432.0, 1433.35, 1433.4, 1435.0)
 def in_the_curve(gauge: float) -> xr.Dataset:
     """The shipped scenario at a gauge [mm] from 14.5 m on, half a metre in steady motion."""
     values = {"track.gauge_mm": gauge, "run.start_distance_m": 14.5, "run.distance_m": 0.5}
-    found = run(load(SCENARIOS / "tram_r25.toml").with_values(values | FAST))
-    assert found.status == "completed"
-    return found.wheelset().isel(time=-1)
+    result = run(load(SCENARIOS / "tram_r25.toml").with_values(values | FAST))
+    assert result.status == "completed"
+    return result.wheelset().isel(time=-1)
 
 
 def pushed(sample: xr.Dataset) -> tuple[float, float]:
@@ -59,9 +59,9 @@ def test_whoever_guides_the_forces_balance(gauge):
 @cache
 def car(contact_of_the_file: bool) -> Result:
     """The shipped car, through the transition and along the curve."""
-    found = run(load(SCENARIOS / "tram_car_r25.toml").with_values({} if contact_of_the_file else FAST))
-    assert found.status == "completed"
-    return found
+    result = run(load(SCENARIOS / "tram_car_r25.toml").with_values({} if contact_of_the_file else FAST))
+    assert result.status == "completed"
+    return result
 
 
 def test_rails_carry_the_car_around_the_curve():
@@ -102,24 +102,24 @@ def test_what_the_pull_gives_creep_takes(contact_of_the_file):
 def through(contact: str) -> xr.Dataset:
     """The shipped scenario from the full curve on, 3 m in steady motion."""
     keys = {"run.start_distance_m": 150.0, "run.distance_m": 3.0, "vehicle.drive": "train", "contact.normal": contact}
-    found = run(load(SCENARIOS / "irw_r300.toml").with_values(FAST | keys)).dataset
-    assert found.attrs["status"] == "completed"
-    return found
+    dataset = run(load(SCENARIOS / "irw_r300.toml").with_values(FAST | keys)).dataset
+    assert dataset.attrs["status"] == "completed"
+    return dataset
 
 
 def test_no_creep_forces_lengthwise_steer():
     """The shipped rigid wheelsets have some 10 kN here (GZ18); these have what angle of attack and drag leave."""
-    found = through("kik-piotrowski")
-    assert np.abs(found["X"].values).max() < 300.0
-    assert np.abs(found["X"].diff("wheel").values).max() < 200.0
+    dataset = through("kik-piotrowski")
+    assert np.abs(dataset["X"].values).max() < 300.0
+    assert np.abs(dataset["X"].diff("wheel").values).max() < 200.0
 
 
 @pytest.mark.parametrize("normal", ["kik-piotrowski", pytest.param("strips", marks=pytest.mark.campaign)])
 def test_it_stays_where_the_search_for_its_steady_motion_puts_it(normal):
     """A run that starts in the full curve: the wheels stay within 20 um and Q within 1 % for 3 m, with the front bogie
     at the outer rail and the rear one at the inner rail."""
-    found = through(normal)
-    shift, load_ = found["lateral_shift"].values, found["Q"].values
+    dataset = through(normal)
+    shift, load_ = dataset["lateral_shift"].values, dataset["Q"].values
     assert np.abs(shift - shift[0]).max() < 20e-6
     assert np.abs(load_ - load_[0]).max() < 0.01 * load_.mean()
     assert (shift[0, :2] > 9e-3).all()

@@ -43,8 +43,8 @@ class Case:
             "segments": [straight(30.0), *curve],
         }  # fmt: skip
         if self.twist:
-            at = 30.0 + self.ramp + 25.0
-            track["irregularities"] = [{"kind": "twist", "at_m": at, "length_m": 12, "amplitude_mm": self.twist}]
+            middle = 30.0 + self.ramp + 25.0
+            track["irregularities"] = [{"kind": "twist", "at_m": middle, "length_m": 12, "amplitude_mm": self.twist}]
         track |= {"structure": {"kind": rails}} if rails else {}
         wheel = {"wheel": self.wheel} if self.wheel else {}
         contact = {key.split(".")[1]: value for key, value in FAST.items()} if more else {}
@@ -79,7 +79,7 @@ def quotient(result: Result) -> float:
 def swings(result: Result) -> list[float]:
     """Frequencies that events of wheelsets that excite themselves name [Hz]."""
     labels = [event["event"] for event in result.summary().get("events", [])]
-    return [float(f) for words in labels if "excites itself" in words for f in re.findall(r"([\d.]+) Hz", words)]
+    return [float(f) for label in labels if "excites itself" in label for f in re.findall(r"([\d.]+) Hz", label)]
 
 
 @pytest.mark.campaign
@@ -87,8 +87,8 @@ def swings(result: Result) -> list[float]:
 def test_the_step_decides_nothing_on_the_rails_of_the_default(name):
     results = [CASES[name].run(step) for step in STEPS]
     assert {result.status for result in results} == {"completed"}
-    found = [quotient(result) for result in results]
-    assert found == pytest.approx([found[-1]] * len(found), rel=NEAR)
+    quotients = [quotient(result) for result in results]
+    assert quotients == pytest.approx([quotients[-1]] * len(quotients), rel=NEAR)
     assert not any(map(swings, results))
 
 
@@ -115,8 +115,8 @@ def test_an_oscillation_on_rigid_rails_is_told_with_its_frequency_and_resolved()
     result = CASES["twist"].run(5000, "rigid", **SHORT | {"distance_m": 7})  # it has to grow
     assert result.status == "completed"
     assert all(90.0 < frequency < 140.0 for frequency in swings(result)) and swings(result)
-    (words,) = (e["event"] for e in result.summary()["events"] if "excites itself" in e["event"])
-    assert 'kind = "moving mass"' in words and "damping_s_per_m" in words
+    (event,) = (e["event"] for e in result.summary()["events"] if "excites itself" in e["event"])
+    assert 'kind = "moving mass"' in event and "damping_s_per_m" in event
     assert not any(
         "impact" in event["event"] or "run.step_us" in event["event"] for event in result.summary()["events"]
     )

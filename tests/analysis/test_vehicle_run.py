@@ -31,13 +31,13 @@ def test_every_wheelset_of_the_result_can_be_taken_out() -> None:
     names = [m.name for m in manchester().wheelsets]
     assert list(dataset["wheelset"].values) == names
     assert dataset["Y"].dims == ("time", "wheelset", "wheel")
-    one = result.wheelset(names[1])
-    for name, variable in one.data_vars.items():
+    second = result.wheelset(names[1])
+    for name, variable in second.data_vars.items():
         assert variable.dims == tuple(d for d in CHANNELS[str(name)].dims_in("time") if d != "wheelset"), name
-    assert np.array_equal(one["Q"].values, dataset["Q"].values[:, 1])
-    assert np.array_equal(one["distance"].values, dataset["wheelset_distance"].values[:, 1])
-    own = {name.removeprefix("wheelset_2/") for name in tables(dataset) if name.startswith("wheelset_2/")}
-    assert own == set(tables(one))
+    assert np.array_equal(second["Q"].values, dataset["Q"].values[:, 1])
+    assert np.array_equal(second["distance"].values, dataset["wheelset_distance"].values[:, 1])
+    names_of_second = {name.removeprefix("wheelset_2/") for name in tables(dataset) if name.startswith("wheelset_2/")}
+    assert names_of_second == set(tables(second))
     assert set(result.summary()["wheelsets"]) == set(names)
     with pytest.raises(InputError, match="did you mean 'front"):
         result.wheelset("front.oter")
@@ -70,21 +70,21 @@ def test_a_run_may_start_in_a_transition_as_one_does_that_has_come_there(caplog:
     What goes on before the first step of the run is told."""
     coarse = {key: value for key, value in SHORT.items() if key.startswith("contact.")}
     curve = load(ROOT / "scenarios/manchester_r150.toml").with_values(coarse | {"run.output_interval_ms": 2.0})
-    there = curve.with_values({"run.start_distance_m": 28.0, "run.distance_m": 0.5})
-    straight = straight_before(build(there))
+    in_transition = curve.with_values({"run.start_distance_m": 28.0, "run.distance_m": 0.5})
+    straight = straight_before(build(in_transition))
     assert straight is not None and 10.0 < straight < 28.0
     with caplog.at_level(logging.INFO, "wrsim.start"):
-        begun = run(there).dataset
+        begun = run(in_transition).dataset
     way = f"of {28.0 - straight:.0f} m"
     ways = [line for line in caplog.messages if "runs in" in line and line.endswith(way)]
     assert ways and ways[-1].endswith(f"{28.0 - straight:.0f} {way}") and not caplog.messages[-1]
     passed = run(curve.with_values({"run.start_distance_m": straight, "run.distance_m": 28.6 - straight})).dataset
     places, behind = begun["distance"].values, passed["distance"].values
     for name in ("Q", "Y"):
-        found, expected = begun[name].values, passed[name].values
-        for wheel in np.ndindex(found.shape[1:]):
-            then = np.interp(places, behind, expected[:, *wheel])
-            assert np.abs(found[:, *wheel] - then).max() < 0.005 * np.abs(expected).max(), (name, wheel)
+        begun_values, expected = begun[name].values, passed[name].values
+        for wheel in np.ndindex(begun_values.shape[1:]):
+            passed_values = np.interp(places, behind, expected[:, *wheel])
+            assert np.abs(begun_values[:, *wheel] - passed_values).max() < 0.005 * np.abs(expected).max(), (name, wheel)
 
 
 def test_irregularities_are_kept_under_every_wheelset_at_its_own_place() -> None:
@@ -197,9 +197,9 @@ def test_runs_of_any_speed_are_finite_and_agree_with_half_their_step(
     # a step in whole microseconds does not hit the same instants
     shift, times = chosen["lateral_shift"].values, chosen["time"].values
     inside = times < half["time"].values[-1]
-    other = np.interp(times, half["time"].values, half["lateral_shift"].values)
-    assert shift[inside] == pytest.approx(other[inside], abs=0.01 * np.ptp(other))
-    assert np.ptp(other) > 1e-5  # it does move
+    of_half_step = np.interp(times, half["time"].values, half["lateral_shift"].values)
+    assert shift[inside] == pytest.approx(of_half_step[inside], abs=0.01 * np.ptp(of_half_step))
+    assert np.ptp(of_half_step) > 1e-5  # it does move
 
 
 def test_samples_are_never_farther_apart_than_asked_for_up_to_the_end_of_the_track():

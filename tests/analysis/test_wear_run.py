@@ -62,8 +62,10 @@ def test_coarser_samples_give_the_same_mass(left: xr.Dataset) -> None:
     """Four times as far apart: 0.2 m instead of 0.05 m. Archard's coefficient jumps from field to field of its map."""
     coarse = run_in_time(curve(**{"run.output_interval_ms": 20})).dataset
     for law, tolerance in (("usfd", 1e-3), ("brr", 1e-3), ("archard", 0.02)):
-        own, other = (d["wear_wheel_mass"].sel(wear_law=law).sum("wear_zone").values for d in (left, coarse))
-        np.testing.assert_allclose(own, other, rtol=tolerance)
+        fine_mass, coarse_mass = (
+            d["wear_wheel_mass"].sel(wear_law=law).sum("wear_zone").values for d in (left, coarse)
+        )
+        np.testing.assert_allclose(fine_mass, coarse_mass, rtol=tolerance)
 
 
 def test_results_tell_wear_and_draw_it(left: xr.Dataset, tmp_path: Path) -> None:
@@ -82,11 +84,11 @@ def test_results_tell_wear_and_draw_it(left: xr.Dataset, tmp_path: Path) -> None
 FAULTS: list[tuple[dict[str, Any], str]] = table("faults")
 
 
-@pytest.mark.parametrize(("values", "words"), FAULTS)
-def test_wrong_input_is_one_clear_error(values: dict[str, Any], words: str) -> None:
+@pytest.mark.parametrize(("values", "message"), FAULTS)
+def test_wrong_input_is_one_clear_error(values: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError) as caught:
         build(load(SCENARIOS / "curve_r300.toml").with_values(values))
-    assert words in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_rails_that_change_have_no_wear() -> None:
@@ -97,7 +99,7 @@ def test_rails_that_change_have_no_wear() -> None:
 @pytest.mark.usefixtures("unpainted")
 def test_the_report_has_the_wear_of_a_run(left: xr.Dataset) -> None:
     page = report_page([Result(left)], ["run"])
-    own = Result(left).summary()["wear"]["laws"]["archard"]["wheelsets"]["wheelset"]["right"]
+    wear_of_wheel = Result(left).summary()["wear"]["laws"]["archard"]["wheelsets"]["wheelset"]["right"]
     section = page[page.index('<section id="wear"') : page.index('<section id="again"')]
-    assert f"<td>{own['tread_g_per_km']:.4g}</td><td>{own['flange_g_per_km']:.4g}</td>" in section
+    assert f"<td>{wear_of_wheel['tread_g_per_km']:.4g}</td><td>{wear_of_wheel['flange_g_per_km']:.4g}</td>" in section
     assert section.count("<img ") == 2

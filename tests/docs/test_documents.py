@@ -38,10 +38,10 @@ def named(pattern: str) -> Iterator[tuple[Path, str]]:
 
 def test_commands_modules_and_files_that_pages_name_exist() -> None:
     commands = get_command(application()).commands
-    found = list(named(r"(?:`|^ {4}|\n)wrsim (?:-[^\s`]+ )*([a-z]+)"))
-    assert len(found) > 30 and [one for one in found if one[1] not in commands] == []
-    found = list(named(r"\b(wrsim(?:\.[a-z_]\w*)+)\b(?!/)"))
-    assert len(found) > 30 and [one for one in found if locate(one[1]) is None] == []
+    names = list(named(r"(?:`|^ {4}|\n)wrsim (?:-[^\s`]+ )*([a-z]+)"))
+    assert len(names) > 30 and [name for name in names if name[1] not in commands] == []
+    names = list(named(r"\b(wrsim(?:\.[a-z_]\w*)+)\b(?!/)"))
+    assert len(names) > 30 and [name for name in names if locate(name[1]) is None] == []
     files = list(named(r"`((?:" + "|".join(FOLDERS) + r")/[\w/.-]+\.(?:py|toml|md|svg|png|csv))`"))
     links = list(named(r"\]\(([\w/.-]+\.(?:md|png|svg))(?:#[\w-]*)?\)"))
     assert len(files) > 30 and len(links) > 30
@@ -80,8 +80,8 @@ def sentences(page: str) -> Iterator[str]:
 
 @pytest.mark.parametrize("page", sorted((ROOT / "docs/user").glob("*.md")), ids=lambda page: page.stem)
 def test_sentences_of_the_guide_are_short(page: Path) -> None:
-    found = {each: len(re.findall(r"\S*\w\S*", each)) for each in sentences(page.read_text(encoding="utf-8"))}
-    assert {each: count for each, count in found.items() if count > MOST_WORDS} == {}
+    lengths = {each: len(re.findall(r"\S*\w\S*", each)) for each in sentences(page.read_text(encoding="utf-8"))}
+    assert {each: count for each, count in lengths.items() if count > MOST_WORDS} == {}
 
 
 def test_a_long_sentence_is_seen_past_names_links_and_lists() -> None:
@@ -121,15 +121,15 @@ def test_every_relative_link_of_the_pages_leads_to_what_is_in_the_tree() -> None
 
 def test_every_status_word_has_its_meaning_in_the_reference() -> None:
     text = BUILT[ROOT / "docs" / "reference" / "status.md"]()
-    words = filter(None, (*get_args(Cause), *get_args(EventKind), *get_args(Ending), *STATUSES))
-    for word in words:
+    codes = filter(None, (*get_args(Cause), *get_args(EventKind), *get_args(Ending), *STATUSES))
+    for word in codes:
         assert f"| `{word}` |" in text, word
     for bit, message in WORDS.items():
         assert f"| `{bit}` | {message} |" in text, message
     table = script("docs/make_keys.py")._meanings
-    for words in (("rest",), ("rest", "cycle", "new")):
+    for codes in (("rest",), ("rest", "cycle", "new")):
         with pytest.raises(ValueError, match=r"new|cycle"):
-            table("word", words, {"rest": "the motion decays", "cycle": "a limit cycle"})
+            table("word", codes, {"rest": "the motion decays", "cycle": "a limit cycle"})
 
 
 def test_every_shipped_scenario_is_in_the_guide_and_every_page_on_the_site() -> None:
@@ -151,11 +151,13 @@ def test_the_conda_recipe_is_that_of_the_project() -> None:
     assert all(isinstance(line, str) and line.startswith("python -m pip install ") for line in script)
     assert recipe["build"]["entry_points"] == [f"{name} = {of}" for name, of in project["scripts"].items()]
     needed = {name.replace("matplotlib>", "matplotlib-base>") for name in project["dependencies"]}
-    own = {
+    by_conda = {
         name.replace(" ", "") for name in recipe["requirements"]["run"] if name.split()[0] not in ("python", "libgl")
     }
-    by_pip = needed - own
-    assert own <= needed and len(by_pip) == 1 and all(any(f" {name} " in line for line in script) for name in by_pip)
+    by_pip = needed - by_conda
+    assert (
+        by_conda <= needed and len(by_pip) == 1 and all(any(f" {name} " in line for line in script) for name in by_pip)
+    )
 
 
 def test_the_container_file_copies_what_there_is_and_has_a_python_of_the_project() -> None:
@@ -220,14 +222,14 @@ def test_command_lines_and_keys_of_all_pages_exist() -> None:
     commands = get_command(application()).commands  # type: ignore[attr-defined]
     lines = [(page.name, line) for page in PAGES for line in command_lines(page)]
     assert len(lines) > 50
-    for page, (name, *words) in lines:
+    for page, (name, *arguments) in lines:
         try:
-            name.startswith("-") or commands[name].make_context(name, words)
+            name.startswith("-") or commands[name].make_context(name, arguments)
         except Exception as error:
-            raise AssertionError(f"{page}: {name} {shlex.join(words)}") from error
+            raise AssertionError(f"{page}: {name} {shlex.join(arguments)}") from error
     known = NAMES | set(re.findall(r"`(\w+)`", BUILT[ROOT / "docs" / "reference" / "keys.md"]()))
     files = [(page.name, tomllib.loads(block)) for page in PAGES for block in blocks(page, "toml")]
     assert len(files) > 20
-    for page, found in files:
-        names = {name.rpartition(".")[2] for name in keys_of(found)}  # values of "vehicle.carbody.mass_kg" are set
+    for page, tree in files:
+        names = {name.rpartition(".")[2] for name in keys_of(tree)}  # values of "vehicle.carbody.mass_kg" are set
         assert names and names <= known, f"{page}: {sorted(names - known)}"

@@ -13,11 +13,11 @@ PAGE = ROOT / "docs/user/first_hour.md"
 def test_every_output_on_a_page_is_of_a_command_on_it() -> None:
     for page in guide.PAGES:
         text = page.read_text(encoding="utf-8")
-        found = list(guide.PRINTED.finditer(text))
-        assert len(found) == text.count("<!-- printed:"), page.name
-        assert {block[2] for block in found} <= set(guide.lines(page)), page.name
-        assert found or page.stem not in guide.FIRST, page.name
-        assert all(block[4].strip() for block in found), page.name
+        printed = list(guide.PRINTED.finditer(text))
+        assert len(printed) == text.count("<!-- printed:"), page.name
+        assert {block[2] for block in printed} <= set(guide.lines(page)), page.name
+        assert printed or page.stem not in guide.FIRST, page.name
+        assert all(block[4].strip() for block in printed), page.name
 
 
 @pytest.mark.parametrize(
