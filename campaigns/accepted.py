@@ -71,10 +71,10 @@ def accepted(folder: Path, rng: random.Random) -> Setup | None:
         text = (ROOT / place).read_text()
         (folder / place).write_text(mutated(text, rng) if rng.random() < 0.6 else text)
     try:
-        found = load(folder / "scenarios" / scenario, [folder / "models"])
-        length = build(found).track.length
+        scenario_of_mutant = load(folder / "scenarios" / scenario, [folder / "models"])
+        length = build(scenario_of_mutant).track.length
         start = {"run.start_distance_m": round(rng.uniform(0.0, max(length - WAY - 15.0, 0.0)), 2)}
-        return build(found.with_values(COARSE | start))
+        return build(scenario_of_mutant.with_values(COARSE | start))
     except InputError:
         return None
 
@@ -134,9 +134,9 @@ def broken_laws(setup: Setup, law: VehicleOnTrack, motion: Motion) -> list[str]:
                     if (np.hypot(strips["Fx"], strips["Fy"]) > bound * (1.0 + 1e-9) + 1e-9).any():
                         problems.add("a strip pulls more than mu N")
     law.follow(False)
-    given = np.array(power)
-    work = np.concatenate([[0.0], np.cumsum(0.5 * (given[1:] + given[:-1]) * np.diff(motion.times[samples]))])
-    waver = WAVER * float(np.abs(given).sum() * motion.step)
+    powers = np.array(power)
+    work = np.concatenate([[0.0], np.cumsum(0.5 * (powers[1:] + powers[:-1]) * np.diff(motion.times[samples]))])
+    waver = WAVER * float(np.abs(powers).sum() * motion.step)
     if not law.rails and (work > held + waver).any():
         problems.add(f"contacts give {work.max():.3g} J where their springs held {held:.3g} J")
     return sorted(problems)

@@ -21,7 +21,7 @@ import pytest
 FILE, PATIENCE = Path(os.environ["CALLS"]), float(os.environ["PATIENCE"])
 PACKAGE = str(Path("wrsim").resolve())
 AGAIN = 1.0  # between signals to a test that goes on [s]
-found: dict[str, tuple[bool, float, list[str]]] = {}
+records: dict[str, tuple[bool, float, list[str]]] = {}
 calls: set[CodeType] = set()
 of_fixtures: dict[Path, set[CodeType]] = {}
 
@@ -58,7 +58,7 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
         for code in calls | of_fixtures.get(item.path, set())
         if code.co_filename.startswith(PACKAGE)
     }
-    found[item.nodeid] = (item.nodeid in passed, spent, sorted(names))
+    records[item.nodeid] = (item.nodeid in passed, spent, sorted(names))
     return done
 
 
@@ -78,4 +78,4 @@ def pytest_runtest_teardown() -> Iterator[None]:
 
 
 def pytest_sessionfinish() -> None:
-    FILE.write_text(json.dumps(found), encoding="utf-8")
+    FILE.write_text(json.dumps(records), encoding="utf-8")

@@ -54,23 +54,23 @@ def main() -> None:
     parser.add_argument("--model", default="kik-piotrowski")
     parser.add_argument("--tip", type=float, default=9.5)
     parser.add_argument("--corner", type=float)
-    given = parser.parse_args()
+    arguments = parser.parse_args()
     ratios = []
     print(f"angle  length  ratio at {ATTACKS} mrad")
     with tempfile.TemporaryDirectory() as folder:
         values = {"climb.angle_of_attack_mrad": ATTACKS, "climb.Y_over_Q": [1.99], "climb.longest_m": 40.0}
-        values |= {"contact.normal": given.model, "vehicle.wheel": str(Path(folder, "wheel.toml"))}
-        if given.corner is not None:
-            Path(folder, "rail.toml").write_text(RAIL.format(given.corner), encoding="utf-8")
+        values |= {"contact.normal": arguments.model, "vehicle.wheel": str(Path(folder, "wheel.toml"))}
+        if arguments.corner is not None:
+            Path(folder, "rail.toml").write_text(RAIL.format(arguments.corner), encoding="utf-8")
             values["track.rail"] = str(Path(folder, "rail.toml"))
         for angle, length in product(ANGLES, LENGTHS):
-            Path(folder, "wheel.toml").write_text(WHEEL.format(angle, length * INCH, given.tip), encoding="utf-8")
-            found = run(load(SCENARIO).with_values(values)).dataset
-            here, there = (found[name].values for name in ("climb_distance", "climb_distance_tcrp"))
-            ratios.append(here / there)
-            pairs = zip(width_and_lift(here), width_and_lift(there), strict=True)
-            words = "  ".join(f"{name} {a:.1f}, {b:.1f}" for name, (a, b) in zip(("width", "lift"), pairs, strict=True))
-            print(f"{angle:g}  {length:g}  {' '.join(f'{r:.2f}' for r in ratios[-1])}  {words}", flush=True)
+            Path(folder, "wheel.toml").write_text(WHEEL.format(angle, length * INCH, arguments.tip), encoding="utf-8")
+            climbs = run(load(SCENARIO).with_values(values)).dataset
+            computed, reference = (climbs[name].values for name in ("climb_distance", "climb_distance_tcrp"))
+            ratios.append(computed / reference)
+            pairs = zip(width_and_lift(computed), width_and_lift(reference), strict=True)
+            patch = "  ".join(f"{name} {a:.1f}, {b:.1f}" for name, (a, b) in zip(("width", "lift"), pairs, strict=True))
+            print(f"{angle:g}  {length:g}  {' '.join(f'{r:.2f}' for r in ratios[-1])}  {patch}", flush=True)
     within = np.abs(np.array(ratios) - 1.0) <= 0.15
     each = within.sum(axis=0).tolist()
     print(f"within 15 %: {within.sum()} of {within.size}; by angle of attack {each} of {len(ratios)} each")

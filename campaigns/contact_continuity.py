@@ -43,19 +43,19 @@ Way = Callable[[float], tuple[float, float, float, float]]
 """Lateral shift, height, yaw [m, rad] and the load that stands for the force [N] at a place of a sweep."""
 
 
-def smooth(knots: np.ndarray, what: int, state: tuple[float, float, float], heights: PoseSolver):  # type: ignore[no-untyped-def]
+def smooth(knots: np.ndarray, varied: int, state: tuple[float, float, float], heights: PoseSolver):  # type: ignore[no-untyped-def]
     """A path along which Kik-Piotrowski bears the load, smooth between knots: the path, its ends.
 
-    state: lateral shift, yaw and load [m, rad, MN]; ``what`` of them goes along the knots.
+    state: lateral shift, yaw and load [m, rad, MN]; ``varied``: number of the one that goes along the knots.
     """
 
     def states(x: float) -> tuple[float, float, float]:
-        lateral, yaw, load = (x if i == what else value for i, value in enumerate(state))
+        lateral, yaw, load = (x if i == varied else value for i, value in enumerate(state))
         return lateral, yaw, 1e6 * load
 
-    found = np.array([heights.solve(Pose("", *states(x))).height for x in knots])
-    good = np.isfinite(found)
-    height = PchipInterpolator(knots[good], found[good])
+    solved_heights = np.array([heights.solve(Pose("", *states(x))).height for x in knots])
+    good = np.isfinite(solved_heights)
+    height = PchipInterpolator(knots[good], solved_heights[good])
 
     def path(x: float) -> tuple[float, float, float, float]:
         lateral, yaw, load = states(x)
@@ -64,17 +64,17 @@ def smooth(knots: np.ndarray, what: int, state: tuple[float, float, float], heig
     return path, knots[good][0], knots[good][-1]
 
 
-def downwards(both: Stand, lateral: float, yaw: float):  # type: ignore[no-untyped-def]
+def downwards(stands: Stand, lateral: float, yaw: float):  # type: ignore[no-untyped-def]
     """A path straight down from a micrometre of approach on: the path, its ends [m]."""
-    touching = both.touching(lateral, yaw)
-    lowest = both.screen.solve(Pose("", lateral, yaw, LOADS[-1])).height
+    touching = stands.touching(lateral, yaw)
+    lowest = stands.screen.solve(Pose("", lateral, yaw, LOADS[-1])).height
     if touching is None or not np.isfinite(lowest):
         return None
     knots = np.linspace(0.0, touching - lowest, KNOTS)
     loads = []
     for x in knots:
-        both.screen.evaluate(lateral, touching - x, yaw, 0.0)
-        loads.append(max(force(both.screen), LOADS[0]))
+        stands.screen.evaluate(lateral, touching - x, yaw, 0.0)
+        loads.append(max(force(stands.screen), LOADS[0]))
     load = PchipInterpolator(knots, loads)
 
     def path(x: float) -> tuple[float, float, float, float]:
@@ -99,14 +99,14 @@ def largest_jump(bench: PoseSolver, path: Way, start: float, end: float, step: f
     cost = 1e6 * (time.perf_counter() - began) / len(xs)
     jumps = steepest(forces_at, xs, STEEPEST, forces)
     where, worst = jumps[jumps[:, 1].argmax()].tolist()
-    found = f"{worst:9.4f} at {1e3 * where:8.4f}{len(xs):8d} poses{cost:8.0f} us"
+    report = f"{worst:9.4f} at {1e3 * where:8.4f}{len(xs):8d} poses{cost:8.0f} us"
     width = step / 2.0**HALVINGS
     for x in (
         (where - width, where + 2.0 * width) if worst > SMALL and bench.wheels[0].model.normal.solves_for_strips else ()
     ):
         forces_at(x)
-        found += f"\n    {contact(bench)}"
-    return worst, found
+        report += f"\n    {contact(bench)}"
+    return worst, report
 
 
 def contact(bench: PoseSolver) -> str:
@@ -119,7 +119,7 @@ def contact(bench: PoseSolver) -> str:
     return f"{memo['strips']} strips, {memo['iterations']} residuals; " + ", ".join(grids)
 
 
-def sweeps(both: Stand, chosen: argparse.Namespace) -> Iterator[tuple[str, Any]]:
+def sweeps(stands: Stand, chosen: argparse.Namespace) -> Iterator[tuple[str, Any]]:
     """All sweeps of a pair: in words, path with its ends."""
     shifts, yaws = (
         np.arange(1e-3 * chosen.first, 1e-3 * chosen.to + 1e-9, 2.5e-4),
@@ -129,17 +129,17 @@ def sweeps(both: Stand, chosen: argparse.Namespace) -> Iterator[tuple[str, Any]]
         for yaw in chosen.yaw if "shift" in chosen.over else ():
             yield (
                 f"{load:g} kN, yaw {yaw:g} mrad, y [mm]",
-                smooth(shifts, 0, (0.0, 1e-3 * yaw, 1e-3 * load), both.screen),
+                smooth(shifts, 0, (0.0, 1e-3 * yaw, 1e-3 * load), stands.screen),
             )
         for y in chosen.lateral if "yaw" in chosen.over else ():
-            yield f"{load:g} kN, y {y:g} mm, yaw [mrad]", smooth(yaws, 1, (1e-3 * y, 0.0, 1e-3 * load), both.screen)
+            yield f"{load:g} kN, y {y:g} mm, yaw [mrad]", smooth(yaws, 1, (1e-3 * y, 0.0, 1e-3 * load), stands.screen)
     for yaw in chosen.yaw:
         for y in chosen.lateral:
             place = f"yaw {yaw:g} mrad, y {y:g} mm"
-            if "approach" in chosen.over and (found := downwards(both, 1e-3 * y, 1e-3 * yaw)):
-                yield f"{place}, approach [mm]", found
+            if "approach" in chosen.over and (descent := downwards(stands, 1e-3 * y, 1e-3 * yaw)):
+                yield f"{place}, approach [mm]", descent
             if "load" in chosen.over:
-                yield f"{place}, load [kN]", smooth(1e-6 * LOADS, 2, (1e-3 * y, 1e-3 * yaw, 0.0), both.screen)
+                yield f"{place}, load [kN]", smooth(1e-6 * LOADS, 2, (1e-3 * y, 1e-3 * yaw, 0.0), stands.screen)
 
 
 def main() -> None:
@@ -161,13 +161,13 @@ def main() -> None:
     jumps: dict[str, float] = {}
     for number in chosen.pair:
         pair = (*PAIRS, *OTHERS)[number]
-        both = Stand(pair, chosen.strips)
+        stands = Stand(pair, chosen.strips)
         bench = stand(pair, ours)
-        for words, (path, start, end) in sweeps(both, chosen):
-            key = f"{both.name}, {words}"
-            step = 1e-6 * chosen.step * (1e3 if words.endswith("load [kN]") else 1.0)
-            jumps[key], found = largest_jump(bench, path, start, end, step)
-            print(f"{key}: {found}", flush=True)
+        for label, (path, start, end) in sweeps(stands, chosen):
+            key = f"{stands.name}, {label}"
+            step = 1e-6 * chosen.step * (1e3 if label.endswith("load [kN]") else 1.0)
+            jumps[key], report = largest_jump(bench, path, start, end, step)
+            print(f"{key}: {report}", flush=True)
     if chosen.json:
         print(json.dumps({"jumps": {chosen.normal: jumps}}))
 

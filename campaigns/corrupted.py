@@ -85,25 +85,28 @@ def corrupted(content: bytes, rng: random.Random) -> bytes:
         n = len(data)
         if n < 2:
             break
-        at, length = rng.randrange(n), rng.randint(1, min(512, n))
-        other = rng.randrange(n)
+        start, length = rng.randrange(n), rng.randint(1, min(512, n))
+        second = rng.randrange(n)
         action = rng.randrange(8)
         if action == 0:
-            data[at] ^= 1 << rng.randrange(8)
+            data[start] ^= 1 << rng.randrange(8)
         elif action == 1:
-            data[at : at + length] = bytes(rng.randrange(256) for _ in data[at : at + length])
+            data[start : start + length] = bytes(rng.randrange(256) for _ in data[start : start + length])
         elif action == 2:
-            data[at : at + length] = bytes(len(data[at : at + length]))
+            data[start : start + length] = bytes(len(data[start : start + length]))
         elif action == 3:
-            del data[at:]
+            del data[start:]
         elif action == 4:
-            del data[at : at + length]
+            del data[start : start + length]
         elif action == 5:
-            data[at:at] = data[other : other + length]
+            data[start:start] = data[second : second + length]
         elif action == 6:
-            data[at : at + length], data[other : other + length] = data[other : other + length], data[at : at + length]
+            data[start : start + length], data[second : second + length] = (
+                data[second : second + length],
+                data[start : start + length],
+            )
         else:
-            data += data[other : other + length]
+            data += data[second : second + length]
     return bytes(data)
 
 
@@ -128,8 +131,8 @@ def same_result(path: Path, whole: Result) -> bool:
 def same_rows(path: Path, rows: dict[float, bytes]) -> bool:
     """Whether all samples of a run file are those of the whole run."""
     motion = recorded_motion(path)
-    found = zip(motion.times, motion.q, motion.q_t, strict=True)
-    return all(rows.get(float(t)) == q.tobytes() + q_t.tobytes() for t, q, q_t in found)
+    samples = zip(motion.times, motion.q, motion.q_t, strict=True)
+    return all(rows.get(float(t)) == q.tobytes() + q_t.tobytes() for t, q, q_t in samples)
 
 
 def counted(number: int, rng: random.Random, folder: Path) -> Counter[str]:
@@ -169,9 +172,9 @@ def counted(number: int, rng: random.Random, folder: Path) -> Counter[str]:
     return answers
 
 
-def answer_of(words: Sequence[str], file: Path) -> str:
+def answer_of(command: Sequence[str], file: Path) -> str:
     """How the command ends in a process that is forked from this one: a word, and what is wrong with it if anything."""
-    done = forked(*words, first=_bound)
+    done = forked(*command, first=_bound)
     code, told, lines = done.returncode, done.stderr, done.stderr.count("\n")
     if code in (-signal.SIGALRM, -signal.SIGXCPU, -signal.SIGKILL):
         return "HANGS"
@@ -195,7 +198,7 @@ def sources(folder: Path) -> list[Path]:
     """Files of all kinds that hold results, whole."""
     record = folder / "run.nc.part"
     runs = load(ROOT / "scenarios/curve_r300.toml").with_values(VALUES)
-    found = [run(runs, record=record).save(folder / "run.nc"), record]
+    files = [run(runs, record=record).save(folder / "run.nc"), record]
     coach = VALUES | {
         "run.output_interval_ms": 8.0,
         "run.distance_m": 40.0,
@@ -204,16 +207,16 @@ def sources(folder: Path) -> list[Path]:
     ride = load(ROOT / "scenarios/manchester_ride_160.toml").with_values(
         coach | {"ride.from_m": 0.0, "track.irregularities": []}
     )
-    found.append(run(ride).save(folder / "coach.nc"))
+    files.append(run(ride).save(folder / "coach.nc"))
     poses = load(ROOT / "scenarios/static_s1002.toml")
-    found.append(run(poses.with_values({"static.lateral_mm": [0, 5], "contact.strips": 12})).save(folder / "poses.nc"))
-    return [*found, _study(folder / "study.nc"), _service(folder / "wear.nc")]
+    files.append(run(poses.with_values({"static.lateral_mm": [0, 5], "contact.strips": 12})).save(folder / "poses.nc"))
+    return [*files, _study(folder / "study.nc"), _service(folder / "wear.nc")]
 
 
 def _study(path: Path) -> Path:
     """A study of three cases."""
-    words = {"status": ["completed", "derailed", "missing"], "message": ["", "off", ""], "name": ["a", "b", "c"]}
-    texts = {name: ("speed", np.array(own, dtype=object)) for name, own in words.items()}
+    columns = {"status": ["completed", "derailed", "missing"], "message": ["", "off", ""], "name": ["a", "b", "c"]}
+    texts = {name: ("speed", np.array(column, dtype=object)) for name, column in columns.items()}
     numbers = {n: ("speed", np.array([1.0, 2.0, np.nan]), {"units": "kN"}) for n in ("Y_max", "Q_max")}
     coords = {"speed": ("speed", np.array([10.0, 20.0, 30.0]), {"key": "vehicle.speed_kmh"})}
     about = {"format": "wrsim study", "title": "a study", "analysis": "curving", "study_text": "", "scenario_text": ""}
@@ -222,9 +225,9 @@ def _study(path: Path) -> Path:
 
 def _service(path: Path) -> Path:
     """Wheels at two mileages."""
-    own = {
-        name: ("point", np.array([0.0, 1.0]), {"units": unit, "long_name": words})
-        for name, (_, _, unit, words) in COLUMNS.items()
+    numbers = {
+        name: ("point", np.array([0.0, 1.0]), {"units": unit, "long_name": meaning})
+        for name, (_, _, unit, meaning) in COLUMNS.items()
     }
     of_profile = {n: (("point", "place"), np.ones((2, 5)), {"units": "m"}) for n in ("u", "w", "depth")}
     about = {
@@ -236,7 +239,7 @@ def _service(path: Path) -> Path:
     }
     about |= {"evolution_text": "", "cases_text": "", "scenario_text": ""}
     return write_netcdf(
-        path, xr.Dataset(own | of_profile | {"unworn_u": ("place", np.arange(5.0), {"units": "m"})}, attrs=about)
+        path, xr.Dataset(numbers | of_profile | {"unworn_u": ("place", np.arange(5.0), {"units": "m"})}, attrs=about)
     )
 
 
@@ -257,33 +260,33 @@ def by_command(number: int, rng: random.Random, folder: Path) -> dict[str, Count
                 made = checked_again(made, path)
         else:
             made = (crafted.part if is_part else crafted.numbers)(content, rng)
-        own = folder / str(i)
-        own.mkdir()
-        file = own / path.name
+        case_folder = folder / str(i)
+        case_folder.mkdir()
+        file = case_folder / path.name
         file.write_bytes(made)
         bad = False
-        for name, words in COMMANDS.items():
+        for name, command in COMMANDS.items():
             if path.stem in ("study", "wear") and name != "report":
                 continue
-            answer = answer_of(_filled(words, file, reference, own / "out"), file)
+            answer = answer_of(_filled(command, file, reference, case_folder / "out"), file)
             answers[name][answer.split(":")[0]] += 1
             if answer not in GOOD:
                 bad = True
                 print(f"{i} {path.name} {name}: {answer}", flush=True)
         if not bad:
-            shutil.rmtree(own)
+            shutil.rmtree(case_folder)
     return answers
 
 
-def _filled(words: Sequence[str], file: Path, whole: Path, out: Path) -> list[str]:
+def _filled(command: Sequence[str], file: Path, whole: Path, out: Path) -> list[str]:
     places = {"FILE": str(file), "WHOLE": str(whole)}
-    return [places.get(w, w.replace("OUT", str(out))) for w in words]
+    return [places.get(w, w.replace("OUT", str(out))) for w in command]
 
 
 def _warmed_up(file: Path, whole: Path, out: Path) -> None:
     """Let every command come to its end once: the processes that fork from this one find modules and kernels there."""
-    for words in COMMANDS.values():
-        call(*_filled(words, file, whole, out))
+    for command in COMMANDS.values():
+        call(*_filled(command, file, whole, out))
 
 
 def checked_again(content: bytes, path: Path) -> bytes:
@@ -342,8 +345,8 @@ def main() -> None:
     if options.commands:
         with tempfile.TemporaryDirectory() as name:
             said = by_command(options.commands, random.Random(options.seed), Path(name))
-        for command, found in said.items():
-            print(f"{command}: " + ", ".join(f"{answer} {n}" for answer, n in found.most_common()))
+        for command, counts_of_command in said.items():
+            print(f"{command}: " + ", ".join(f"{answer} {n}" for answer, n in counts_of_command.most_common()))
     wrong_caches = 0
     if options.caches:
         with tempfile.TemporaryDirectory() as name:

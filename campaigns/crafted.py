@@ -72,9 +72,9 @@ def _variable(dataset: xr.Dataset, rng: random.Random, kinds: str = "fiuUO") -> 
 
 def _with(dataset: xr.Dataset, name: str, values: Any, dims: Any = None) -> xr.Dataset:
     """The dataset with other values of a variable, of whatever shape."""
-    own = dataset.variables[name]
+    variable = dataset.variables[name]
     kept = dataset.drop_indexes([n for n in (name,) if n in dataset.indexes])
-    return kept.assign({name: xr.Variable(own.dims if dims is None else dims, values, own.attrs)})
+    return kept.assign({name: xr.Variable(variable.dims if dims is None else dims, values, variable.attrs)})
 
 
 def _values(dataset: xr.Dataset, rng: random.Random) -> xr.Dataset:
@@ -128,11 +128,11 @@ def _without(dataset: xr.Dataset, rng: random.Random) -> xr.Dataset:
 
 def _layout(dataset: xr.Dataset, rng: random.Random) -> xr.Dataset:
     name = _variable(dataset, rng)
-    own = dataset[name]
-    if own.ndim > 1 and rng.random() < 0.5:
-        return _with(dataset, name, own.values.T, own.dims[::-1])
-    dims = tuple(f"odd_{i}" for i in range(own.ndim))
-    return _with(dataset.drop_vars(name).assign({name: own.variable}), name, own.values, dims)
+    variable = dataset[name]
+    if variable.ndim > 1 and rng.random() < 0.5:
+        return _with(dataset, name, variable.values.T, variable.dims[::-1])
+    dims = tuple(f"odd_{i}" for i in range(variable.ndim))
+    return _with(dataset.drop_vars(name).assign({name: variable.variable}), name, variable.values, dims)
 
 
 def _scalar(dataset: xr.Dataset, rng: random.Random) -> xr.Dataset:
@@ -176,9 +176,9 @@ def _unit(dataset: xr.Dataset, rng: random.Random) -> xr.Dataset:
     value = rng.choice(("days since 2000-01-01", "", "x" * 10000, 3.5, float("nan"), 1e300, np.arange(2.0)))
     if key == "_FillValue":
         value = float("nan")
-    own = dataset.copy()
-    own[name].attrs = dict(own[name].attrs) | {key: value}
-    return own
+    changed = dataset.copy()
+    changed[name].attrs = dict(changed[name].attrs) | {key: value}
+    return changed
 
 
 CHANGES: tuple[Callable[[xr.Dataset, random.Random], xr.Dataset], ...] = (
@@ -237,19 +237,19 @@ def declared(path: Path, samples: int) -> Path:
 
 def records(content: bytes) -> list[tuple[bytes, bytes]]:
     """What all records of a run file say (JSON) and hold."""
-    place, found = len(SIGNATURE), []
+    place, pairs = len(SIGNATURE), []
     while place + FRAME.size <= len(content):
         size, _ = FRAME.unpack_from(content, place)
         place += FRAME.size + size
         about, _, numbers = content[place - size : place].partition(b"\n")
-        found.append((about, numbers))
-    return found
+        pairs.append((about, numbers))
+    return pairs
 
 
 def run_file(parts: list[tuple[bytes, bytes]]) -> bytes:
     """The file of these records, each with a right checksum."""
     contents = (about + b"\n" + numbers for about, numbers in parts)
-    return SIGNATURE + b"".join(FRAME.pack(len(own), zlib.crc32(own)) + own for own in contents)
+    return SIGNATURE + b"".join(FRAME.pack(len(record), zlib.crc32(record)) + record for record in contents)
 
 
 def part(content: bytes, rng: random.Random) -> bytes:
@@ -258,8 +258,8 @@ def part(content: bytes, rng: random.Random) -> bytes:
     if rng.random() < 0.5:
         parts[0] = _header(parts[0][0], rng), parts[0][1]
     else:
-        at = rng.randrange(1, len(parts))
-        parts[at] = _record(*parts[at], rng)
+        index = rng.randrange(1, len(parts))
+        parts[index] = _record(*parts[index], rng)
     return run_file(parts)
 
 

@@ -107,9 +107,9 @@ def lay(reference: Path, table: Path, begin: float) -> None:
     if begin > PLAIN:
         lead = table.with_name("lead.csv")
         write_crossing(reference, lead, PLAIN - 1e-3, PLAIN + 1e-3)
-        (_, *plain), (head, *own) = lead.read_text().splitlines(), table.read_text(encoding="utf-8").splitlines()
+        (_, *plain), (head, *rows) = lead.read_text().splitlines(), table.read_text(encoding="utf-8").splitlines()
         moved = [f"{LEAD},{line.split(',', 1)[1]}" for line in plain]
-        table.write_text("\n".join([head, *moved, *own]), encoding="utf-8")
+        table.write_text("\n".join([head, *moved, *rows]), encoding="utf-8")
 
 
 def draw(rows: list[dict[str, Any]], picture: Path) -> None:
@@ -117,12 +117,16 @@ def draw(rows: list[dict[str, Any]], picture: Path) -> None:
     figure = Figure(figsize=(6.5, 4.0), layout="constrained")
     axes = figure.subplots()
     for rails, style in (("rigid", "-"), ("elastic", "--")):
-        own = sorted(
+        rows_of_rails = sorted(
             (row for row in rows if row["rails"] == rails), key=lambda row: (row["speed_kmh"], -row["step_us"])
         )
-        first = [row for i, row in enumerate(own) if i == 0 or row["speed_kmh"] != own[i - 1]["speed_kmh"]]
+        first = [
+            row
+            for i, row in enumerate(rows_of_rails)
+            if i == 0 or row["speed_kmh"] != rows_of_rails[i - 1]["speed_kmh"]
+        ]
         for name, colour, word in (("peak_kN", "C3", "largest"), ("least_kN", "C0", "least")):
-            for part, mark in ((first, "o" + style), ([row for row in own if row not in first], "x")):
+            for part, mark in ((first, "o" + style), ([row for row in rows_of_rails if row not in first], "x")):
                 label = f"{word}, {rails} rails" if part is first and part else None
                 axes.plot(
                     [row["speed_kmh"] for row in part], [row[name] for row in part], mark, color=colour, label=label
@@ -148,16 +152,16 @@ class Way:
 
     def heights(self, places: Array) -> Array:
         """Where it begins to be carried [m]."""
-        found = [2e-3]
+        tops = [2e-3]
         for place in places:
-            high = found[-1] + 2e-4
+            high = tops[-1] + 2e-4
             while self.force(place, high) > LIGHT:
                 high += 2e-4
             low = high
             while self.force(place, low) < LIGHT:
                 low -= 5e-5
-            found.append(brentq(lambda z, at=place: self.force(at, z) - LIGHT, low, high, xtol=1e-8))
-        return np.array(found[1:])
+            tops.append(brentq(lambda z, position=place: self.force(position, z) - LIGHT, low, high, xtol=1e-8))
+        return np.array(tops[1:])
 
 
 def way(table: Path, outward: float) -> Way:
@@ -175,13 +179,13 @@ def flight(table: Path, picture: Path) -> None:
         dataset = leading(ride(table, speed, 50, elastic=False))
         x, t, q = dataset["distance"].values - PLACE, dataset["time"].values, dataset["Q"].values
         height = dataset["vertical_shift"].values - HALF_SPACING * dataset["roll"].values
-        own = way(table, -float(np.interp(0.26, x, dataset["lateral_shift"].values)))
-        rolled = own.heights(places)
+        rolled_way = way(table, -float(np.interp(0.26, x, dataset["lateral_shift"].values)))
+        rolled = rolled_way.heights(places)
         lowest = int(rolled.argmin())
         slope = float(np.diff(rolled[lowest + 2 : lowest + 4])[0] / 4e-3)
         falls = float(np.interp(places[lowest], x, np.gradient(height, t)))
         closing = slope * speed / 3.6 - falls
-        spring = own.force(places[lowest + 3], rolled[lowest + 3] - SUNK) / SUNK**1.5
+        spring = rolled_way.force(places[lowest + 3], rolled[lowest + 3] - SUNK) / SUNK**1.5
         check = (1.25 * MASS * closing**2) ** 0.6 * spring**0.4
         near = np.abs(x - places[lowest]) < 0.05
         print(

@@ -199,8 +199,8 @@ def text(shape: Shape) -> str:
         f"start_mm = {keys['start_mm']:g}              # [fit] beginning of the curve, outward",
         f"start_angle_deg = {keys['start_angle_deg']:g}",
     ]
-    for piece, words in zip(keys["pieces"], PIECES, strict=True):
-        lines += ["", f"[[pieces]] # {words}", f'shape = "{piece["shape"]}"']
+    for piece, meaning in zip(keys["pieces"], PIECES, strict=True):
+        lines += ["", f"[[pieces]] # {meaning}", f'shape = "{piece["shape"]}"']
         lines += [f"{key} = {value:g}" for key, value in piece.items() if key != "shape"]
     return "\n".join(lines) + "\n"
 

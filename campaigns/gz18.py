@@ -165,16 +165,16 @@ def main(arguments: list[str]) -> int:
         raise SystemExit("python campaigns/gz18.py REFERENCE [--json] [MODEL ...]")
     reference = reference_folder(arguments[0])
     names = [name for name in arguments if name in CASES] or list(CASES)
-    found: dict[str, dict[str, float]] = {}
+    speeds: dict[str, dict[str, float]] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name in names:
-            found[name] = timed(reference, Path(folder), CASES[name])
-            speed = found[name]["real_time"]
-            if REFERENCE in found:
-                found[name]["times_rk44"] = speed / found[REFERENCE]["real_time"]
-            print(f"{name}: " + ", ".join(f"{key} {value:.3g}" for key, value in found[name].items()), flush=True)
+            speeds[name] = timed(reference, Path(folder), CASES[name])
+            speed = speeds[name]["real_time"]
+            if REFERENCE in speeds:
+                speeds[name]["times_rk44"] = speed / speeds[REFERENCE]["real_time"]
+            print(f"{name}: " + ", ".join(f"{key} {value:.3g}" for key, value in speeds[name].items()), flush=True)
     if "--json" in arguments:
-        print(json.dumps({"gz18": {"r300_aar5": found}}))
+        print(json.dumps({"gz18": {"r300_aar5": speeds}}))
     return 0
 
 

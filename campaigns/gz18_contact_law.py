@@ -169,31 +169,31 @@ def contact(pose: Array, wheel: Any, rail: Any, radius: float, speed: float) -> 
     c, s = np.cos(angle), np.sin(angle)
     half = 0.5 * (end - begin) / c
     p = depth * c
-    own = slice(first, last + 1)
-    order = np.argsort(o[own])
-    at_wheel = float(np.interp(place, o[own][order], rho[own][order]))
+    pressed = slice(first, last + 1)
+    order = np.argsort(o[pressed])
+    at_wheel = float(np.interp(place, o[pressed][order], rho[pressed][order]))
     normal, a, b = hertz(p / VIRTUAL, at_wheel / c, half**2 / (2.0 * p))
-    shift = float(np.interp(place, o[own][order], points[own, 0][order]))
-    at = np.array([shift, place, float(head(place))])
-    slip = velocity + np.cross(omega, at - origin)
+    shift = float(np.interp(place, o[pressed][order], points[pressed, 0][order]))
+    point = np.array([shift, place, float(head(place))])
+    slip = velocity + np.cross(omega, point - origin)
     across = np.array([0.0, c, s])
     up = np.array([0.0, -s, c])
     xi, eta, phi = slip[0] / speed, slip @ across / speed, omega @ up / speed
     limit = 0.3 * (0.6 * np.exp(-0.55 * speed * np.hypot(xi, eta)) + 0.4)
     fx, fy = fastsim(a, b, normal, (xi, eta, phi), limit)
     force = normal * up + fy * across + np.array([fx, 0.0, 0.0])
-    return Contact(normal, fx, fy, angle, xi, eta, place), np.concatenate([force, np.cross(at - origin, force)])
+    return Contact(normal, fx, fy, angle, xi, eta, place), np.concatenate([force, np.cross(point - origin, force)])
 
 
 class EquivalentElasticOnTrack(VehicleOnTrack):
-    """The law of the vehicle with their contact in the place of ours; ``found``: contacts of the last state."""
+    """The law of the vehicle with their contact in the place of ours; ``contacts``: those of the last state."""
 
-    found: list[list[Contact | None]]
+    contacts: list[list[Contact | None]]
 
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
         """See ``ForceLaw``."""
         status = super().__call__(t, q, q_t, out)
-        self.found = []
+        self.contacts = []
         for w in range(len(self.wheels)):
             self._exchange(w, q, q_t, out)
         return status
@@ -210,21 +210,21 @@ class EquivalentElasticOnTrack(VehicleOnTrack):
         return [Block(self.on_bodies, all_on_all(self.size)), Block(contacts, all_on_all(6 * len(self.wheels)))]
 
     def _exchange(self, w: int, q: Array, q_t: Array, out: Array) -> None:
-        own = slice(6 * w, 6 * w + 6)
-        body = kinematics(q[own], q_t[own])
+        coordinates = slice(6 * w, 6 * w + 6)
+        body = kinematics(q[coordinates], q_t[coordinates])
         change = np.zeros((2, 3))
         rails = self.track.left.curve, self.track.right.curve
-        both: list[Contact | None] = []
+        contacts_of_wheelset: list[Contact | None] = []
         for wheel, rail, place in zip(self.wheels[w], rails, self.wheel_records(w), strict=True):
-            found = self._contact(wheel)
+            contact_and_force = self._contact(wheel)
             more = wheel.model.arrays.total.copy()
-            values = np.zeros(6) if found is None else found[1]
+            values = np.zeros(6) if contact_and_force is None else contact_and_force[1]
             for name, value in zip(("Ft", "Fo", "Fb", "Mt", "Mo", "Mb"), values, strict=True):
                 more[name] = value - more[name]
             change += wheel_wrench(body, frame_at(rail, place.s), place.side, wheel.half_spacing, more)
-            both.append(None if found is None else found[0])
-        add_generalised_forces(body, Vec(*change[0]), Vec(*change[1]), out[own])
-        self.found.append(both)
+            contacts_of_wheelset.append(None if contact_and_force is None else contact_and_force[0])
+        add_generalised_forces(body, Vec(*change[0]), Vec(*change[1]), out[coordinates])
+        self.contacts.append(contacts_of_wheelset)
 
     def _contact(self, wheel: WheelOnRail) -> tuple[Contact, Array] | None:
         model = wheel.model
@@ -237,38 +237,38 @@ def their_steady_motion(ours: solver.CurveMotion) -> tuple[EquivalentElasticOnTr
     law.__class__ = EquivalentElasticOnTrack
     lifted = ours.q.copy()
     lifted[: 6 * len(law.bodies) : 6] += LIFTED
-    found = steady_state(law, (lifted, ours.q_t), tolerance=ENOUGH, max_iterations=20, near=law)
-    law(0.0, found.q, found.q_t, np.zeros(law.size))
-    return law, found
+    equilibrium = steady_state(law, (lifted, ours.q_t), tolerance=ENOUGH, max_iterations=20, near=law)
+    law(0.0, equilibrium.q, equilibrium.q_t, np.zeros(law.size))
+    return law, equilibrium
 
 
-def pose_of(law: VehicleOnTrack, found: Equilibrium, wheelset: int) -> TrackPoses:
+def pose_of(law: VehicleOnTrack, equilibrium: Equilibrium, wheelset: int) -> TrackPoses:
     """Pose of a wheelset against the track."""
-    own = slice(6 * wheelset, 6 * wheelset + 6)
+    coordinates = slice(6 * wheelset, 6 * wheelset + 6)
     place = law.start + law.vehicle.wheelsets[wheelset].x
-    return poses_on_track(law.track.centre, found.q[None, own], found.q_t[None, own], place)
+    return poses_on_track(law.track.centre, equilibrium.q[None, coordinates], equilibrium.q_t[None, coordinates], place)
 
 
-def differences(ours: xr.Dataset, law: EquivalentElasticOnTrack, found: Equilibrium) -> Array:
+def differences(ours: xr.Dataset, law: EquivalentElasticOnTrack, equilibrium: Equilibrium) -> Array:
     """Ours from theirs, of every wheelset (w, 7): lateral shift [mm], yaw [mrad], N as a part of it, Tx and Ty as parts
     of mu N, Y and Q as parts of N, of the worse wheel."""
     rows = []
     for w in range(len(law.vehicle.wheelsets)):
-        pose, own = pose_of(law, found, w), ours.isel(wheelset=w)
+        pose, sample = pose_of(law, equilibrium, w), ours.isel(wheelset=w)
         forces = []
-        for side, c in enumerate(law.found[w]):
-            one = own.isel(wheel=side)
-            normal = np.nan_to_num(one["N"].values)  # of the patches
-            angle = np.nan_to_num(one["contact_angle"].values) @ normal / normal.sum()
+        for side, c in enumerate(law.contacts[w]):
+            wheel_sample = sample.isel(wheel=side)
+            normal = np.nan_to_num(wheel_sample["N"].values)  # of the patches
+            angle = np.nan_to_num(wheel_sample["contact_angle"].values) @ normal / normal.sum()
             cosine, sine = np.cos(angle), np.sin(angle)
-            x, y, q = (float(one[name]) for name in "XYQ")
+            x, y, q = (float(wheel_sample[name]) for name in "XYQ")
             assert c is not None
             more = [(q * cosine + y * sine) - c.normal, -x - c.fx, (y * cosine - q * sine) + c.fy]
             cosine, sine = np.cos(c.angle), np.sin(c.angle)
             more += [y - (c.normal * sine - c.fy * cosine), q - (c.normal * cosine + c.fy * sine)]
             forces.append(np.array(more) / (c.normal * np.array([1.0, FRICTION, FRICTION, 1.0, 1.0])))
         worst = np.max(np.abs(forces), axis=0)
-        lateral, yaw = float(own["lateral_shift"]), float(own["yaw"])
+        lateral, yaw = float(sample["lateral_shift"]), float(sample["yaw"])
         shift = abs(abs(lateral) - abs(pose.lateral[0])), abs(abs(yaw) - abs(pose.yaw[0]))
         rows.append([1e3 * shift[0], 1e3 * shift[1], *worst])
     return np.array(rows)
@@ -298,16 +298,16 @@ def main() -> int:
                 ours = solver.steady_in_curve(setup, setup.plan.points[0])
                 print(f"  {name}: {liveliest(ours.law, ours.q, ours.q_t)}")
             setup = build(steady(reference, Path(folder), line))
-            law, found = their_steady_motion(solver.steady_in_curve(setup, setup.plan.points[0]))
-            print(f"  their contact: {liveliest(law, found.q, found.q_t)}")
-            print(f"with their contact; largest force left over {found.residual:.1e} of the weight")
+            law, equilibrium = their_steady_motion(solver.steady_in_curve(setup, setup.plan.points[0]))
+            print(f"  their contact: {liveliest(law, equilibrium.q, equilibrium.q_t)}")
+            print(f"with their contact; largest force left over {equilibrium.residual:.1e} of the weight")
             for w, mounted in enumerate(law.vehicle.wheelsets):
-                pose = pose_of(law, found, w)
+                pose = pose_of(law, equilibrium, w)
                 print(
                     f"  {mounted.name}: lateral {1e3 * pose.lateral[0]:.3f} mm, yaw {1e3 * pose.yaw[0]:.3f} mrad, "
                     f"roll {1e3 * pose.roll[0]:.3f} mrad"
                 )
-                for side, c in zip(("left", "right"), law.found[w], strict=True):
+                for side, c in zip(("left", "right"), law.contacts[w], strict=True):
                     if c is not None:
                         print(
                             f"    {side:5s} N {c.normal / 1e3:.2f} Tx {c.fx / 1e3:.2f} Ty {c.fy / 1e3:.2f} kN, angle "
@@ -316,9 +316,9 @@ def main() -> int:
             for name in ("strips", "kik-piotrowski"):
                 sample = run(steady(reference, Path(folder), line, {"contact.normal": name})).dataset.isel(pose=0)
                 print(f"largest differences of {name} from it, wheelset by wheelset:")
-                for row in differences(sample, law, found):
-                    words = "  {:.3f} mm, {:.3f} mrad, N {:.2%}, Tx {:.2%}, Ty {:.2%} of mu N, Y {:.2%}, Q {:.2%} of N"
-                    print(words.format(*row))
+                for row in differences(sample, law, equilibrium):
+                    form = "  {:.3f} mm, {:.3f} mrad, N {:.2%}, Tx {:.2%}, Ty {:.2%} of mu N, Y {:.2%}, Q {:.2%} of N"
+                    print(form.format(*row))
     return 0
 
 

@@ -79,16 +79,16 @@ def mutated(content: bytes, rng: random.Random) -> bytes:
         line = rng.randrange(len(lines))
         action = rng.choices(range(11), (4, 4, 4, 4, 4, 4, 4, 4, 1, 1, 1))[0]
         if action == 0 and content:  # a byte
-            at = rng.randrange(len(content))
-            content = content[:at] + bytes([rng.randrange(256)]) + content[at + 1 :]
+            index = rng.randrange(len(content))
+            content = content[:index] + bytes([rng.randrange(256)]) + content[index + 1 :]
         elif action == 1:
             content = b"\n".join(lines[:line] + lines[line + 1 :])
         elif action == 2:
             content = b"\n".join([*lines[:line], lines[line], *lines[line:]])
         elif action in (3, 4, 5):  # a number becomes another one, or something else
-            found = list(NUMBER.finditer(content))
-            if found:
-                place = rng.choice(found)
+            matches = list(NUMBER.finditer(content))
+            if matches:
+                place = rng.choice(matches)
                 new = rng.choice(NUMBERS if action < 5 else WORDS)
                 if action == 3:
                     new = repr(float(place.group()) * 10.0 ** rng.uniform(-6, 6) * rng.choice((1, 1, -1))).encode()
@@ -102,52 +102,52 @@ def mutated(content: bytes, rng: random.Random) -> bytes:
             part = content[begin:] if begin >= 0 else b"\n".join(lines[line:])
             content = content[: len(content) - len(part)] + part * (MANY // max(part.count(b"\n"), 1) + 1)
         elif action == 10:  # one list becomes long
-            found = list(re.finditer(rb"\[([^][\n]+)\]\n", content))
-            if found:
-                place = rng.choice(found)
+            matches = list(re.finditer(rb"\[([^][\n]+)\]\n", content))
+            if matches:
+                place = rng.choice(matches)
                 new = b", ".join([place[1]] * MANY)
                 content = content[: place.start(1)] + new + content[place.end(1) :]
         else:  # two lines change places
-            other = rng.randrange(len(lines))
-            lines[line], lines[other] = lines[other], lines[line]
+            second_line = rng.randrange(len(lines))
+            lines[line], lines[second_line] = lines[second_line], lines[line]
             content = b"\n".join(lines)
     return content
 
 
 def user_of(file: Path) -> tuple[Path, dict[str, str]]:
     """A scenario that reads the file, and the keys that make it do so."""
-    own = file.relative_to(ROOT)
-    if own.parts[0] == "scenarios":
+    relative = file.relative_to(ROOT)
+    if relative.parts[0] == "scenarios":
         whole = file.suffix == ".toml" and file.parent.name == "scenarios"
         return (file if whole else ROOT / "scenarios/static_measured.toml"), {}
-    name = own.relative_to("models").as_posix()
-    if own.parts[1] == "trains":
+    name = relative.relative_to("models").as_posix()
+    if relative.parts[1] == "trains":
         return ROOT / "scenarios/train_s_curve.toml", {}
-    if own.parts[1] == "tracks":
+    if relative.parts[1] == "tracks":
         return ROOT / "scenarios/mixed_line.toml", {}
-    if own.parts[1] == "vehicles":
-        metre = "lrv" in own.name
+    if relative.parts[1] == "vehicles":
+        metre = "lrv" in relative.name
         return ROOT / f"scenarios/{'lrv_curve' if metre else 'manchester_r300'}.toml", {"vehicle.model": name}
-    bare = own.name.startswith(BARE)
+    bare = relative.name.startswith(BARE)
     user = ROOT / f"scenarios/{'static_deep_groove' if bare else 'static_s1002'}.toml"
-    return user, {"vehicle.wheel" if own.parts[1] == "wheels" else "track.rail": name}
+    return user, {"vehicle.wheel" if relative.parts[1] == "wheels" else "track.rail": name}
 
 
-def read(folder: Path, own: Path) -> None:
-    """Read a file in a copy of the shipped ones, ``own`` among them, as far as the command goes that it is for."""
-    copy, models = folder / own, [folder / "models"]
-    kind = own.parts[1] if len(own.parts) > 2 else ""
+def read(folder: Path, relative: Path) -> None:
+    """Read a file in a copy of the shipped ones, ``relative`` among them, as far as the command goes that it is for."""
+    copy, models = folder / relative, [folder / "models"]
+    kind = relative.parts[1] if len(relative.parts) > 2 else ""
     if kind == "studies":
         planned(copy, folder / "results", models)
-    elif kind == "wear" and own.stem not in ("coach", "leading_wheelset"):
-        read_evolution(copy.with_name("service.toml") if own.suffix == ".csv" else copy, models)
+    elif kind == "wear" and relative.stem not in ("coach", "leading_wheelset"):
+        read_evolution(copy.with_name("service.toml") if relative.suffix == ".csv" else copy, models)
     elif kind == "wear":
-        read_evolution(copy.with_name("coach_service.toml" if own.stem == "coach" else "service.toml"), models)
+        read_evolution(copy.with_name("coach_service.toml" if relative.stem == "coach" else "service.toml"), models)
     elif kind == "recorded":
         table = copy.with_suffix(".csv")
         restore(recording_from(table, copy.with_suffix(".toml"), part=(None, None)), (3.0, 70.0), 8.0)
     else:
-        user, keys = user_of(ROOT / own)
+        user, keys = user_of(ROOT / relative)
         scenario = load(folder / user.relative_to(ROOT), models)
         build(scenario.with_values(keys) if keys else scenario)
 

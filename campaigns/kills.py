@@ -92,14 +92,16 @@ def contents(folder: Path) -> dict[str, object]:
     return {p.name: Result.load(p).dataset.load() if p.name == "result.nc" else p.read_bytes() for p in files}
 
 
-def alike(one: object, other: object) -> bool:
+def alike(before: object, after: object) -> bool:
     """Whether two files hold the same."""
-    return one.identical(other) if isinstance(one, xr.Dataset) and isinstance(other, xr.Dataset) else one == other
+    return (
+        before.identical(after) if isinstance(before, xr.Dataset) and isinstance(after, xr.Dataset) else before == after
+    )
 
 
 def broken(folder: Path) -> list[str]:
     """Files that carry a name of ours and cannot be read."""
-    found = []
+    faults = []
     for path in folder.iterdir() if folder.exists() else ():
         try:
             if path.name == "result.nc":
@@ -118,8 +120,8 @@ def broken(folder: Path) -> list[str]:
             elif path.suffix == ".toml":
                 load(path)
         except Exception as fault:
-            found.append(f"{path.name}: {type(fault).__name__}: {fault}")
-    return found
+            faults.append(f"{path.name}: {type(fault).__name__}: {fault}")
+    return faults
 
 
 def main() -> None:
@@ -172,9 +174,9 @@ def counted(folder: Path, kills: int, rng: random.Random) -> dict[str, int | flo
             written = names >= {name for name in truth if name.endswith(".csv")}
             stages["pictures" if written else "tables" if "result.nc" in names else
                    "steps" if "result.nc.part" in names else "start-up"] += 1  # fmt: skip
-            for words in broken(out):
+            for fault in broken(out):
                 counts["broken_files"] += 1
-                print(f"broken after kill {counts['kills']}: {words}", flush=True)
+                print(f"broken after kill {counts['kills']}: {fault}", flush=True)
         counts["runs"] += 1
         if code:
             counts["other_ends"] += 1

@@ -30,13 +30,13 @@ def main() -> int:
         for name in ("wheels/S1002_worn.toml", "rails/60E1_worn.toml"):
             profile = load_profile(name)
             for case in cases(profile, every):
-                found = outcome(case, profile, Path(folder))
-                counts[found if found in ("right", "wrong") else "refused"] += 1
-                if found == "wrong":
+                verdict = outcome(case, profile, Path(folder))
+                counts[verdict if verdict in ("right", "wrong") else "refused"] += 1
+                if verdict == "wrong":
                     wrong.append(case.label)
-                elif found != "right":
-                    key = f"{case.label.split(',')[0]}: {found.partition(': ')[2][:60]}"
-                    reasons[key] = (reasons.get(key, (0, ""))[0] + 1, found.partition(": ")[2])
+                elif verdict != "right":
+                    key = f"{case.label.split(',')[0]}: {verdict.partition(': ')[2][:60]}"
+                    reasons[key] = (reasons.get(key, (0, ""))[0] + 1, verdict.partition(": ")[2])
     for key, (count, reason) in reasons.items():
         print(f"{count:4d} refused, {key.split(':')[0]}: {reason}")
     print(*(f"wrong: {label}" for label in wrong), sep="\n", end="\n" if wrong else "")

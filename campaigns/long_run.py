@@ -110,12 +110,12 @@ def measured(folder: Path, kilometres: float, speed: float) -> dict[str, Any]:
     """Run, put together, write."""
     scenario = load(ROOT / "scenarios/manchester_r300.toml").with_values(values(kilometres, speed))
     record = folder / "result.nc.part"
-    there: dict[float, float] = {}
+    memory_at: dict[float, float] = {}
 
     def progress(fraction: float, left: float) -> None:
         for place in PLACES:
-            if fraction >= place - 1e-9 and place not in there:
-                there[place] = round(memory()[0], 1)
+            if fraction >= place - 1e-9 and place not in memory_at:
+                memory_at[place] = round(memory()[0], 1)
 
     def no_result(*arguments: Any) -> None:  # only the samples here; results are made in processes of their own
         return None
@@ -139,12 +139,12 @@ def measured(folder: Path, kilometres: float, speed: float) -> dict[str, Any]:
         together[place] = in_a_child(lambda p=part, o=out: result_of(setup, law, p, [], folder).save(o / "result.nc"))
         written[place] = in_a_child(lambda o=out: write_run(Result.load(o / "result.nc"), o))
         disk[place] = sum(f.stat().st_size for f in out.rglob("*") if f.is_file()) / 1e6
-    at = {place: f"{place * kilometres:g} km" for place in PLACES}
+    label = {place: f"{place * kilometres:g} km" for place in PLACES}
     return {
         "samples": n,
-        "run_MB": {at[p]: there[p] for p in PLACES},
-        "put_together_MB": {at[p]: together[p] for p in PLACES},
-        "written_MB": {at[p]: written[p] for p in PLACES},
+        "run_MB": {label[p]: memory_at[p] for p in PLACES},
+        "put_together_MB": {label[p]: together[p] for p in PLACES},
+        "written_MB": {label[p]: written[p] for p in PLACES},
         "part_file_MB_a_km": round(record.stat().st_size / 1e6 / kilometres, 2),
         "result_MB_a_km": round((folder / "1/result.nc").stat().st_size / 1e6 / kilometres, 2),
         "all_files_MB_a_km": round(disk[1.0] / kilometres, 2),

@@ -62,12 +62,12 @@ class Mutant(NamedTuple):
 def mutants_of(file: Path, factors: bool = False) -> list[Mutant]:
     """Each operator at each of its places in a file, or wrong signs and factors alone."""
     nodes = list(ast_nodes(get_ast(file.read_text(encoding="utf-8"))))
-    found = []
-    for name, what in OPERATORS.items():
-        owners = [node for node in nodes for _ in what.mutation_positions(node)]
+    mutants = []
+    for name, operator in OPERATORS.items():
+        owners = [node for node in nodes for _ in operator.mutation_positions(node)]
         chosen = ((i, node) for i, node in enumerate(owners) if not factors or is_factor(name, node))
-        found += [Mutant(file, function_around(node), name, i) for i, node in chosen]
-    return found
+        mutants += [Mutant(file, function_around(node), name, i) for i, node in chosen]
+    return mutants
 
 
 def function_around(node: Any) -> str:
@@ -109,8 +109,8 @@ def run_tests(check: Check, cpu_seconds: int, modules: Path | None = None) -> tu
             code = 1
         sys.stdout.flush()
         if modules is not None:
-            others = [n for n, m in sys.modules.items() if "site-packages" in (getattr(m, "__file__", "") or "")]
-            modules.write_text("\n".join(n for n in others if not OWN.match(n)))
+            module_names = [n for n, m in sys.modules.items() if "site-packages" in (getattr(m, "__file__", "") or "")]
+            modules.write_text("\n".join(n for n in module_names if not OWN.match(n)))
         os._exit(int(code))
     _, status = os.waitpid(child, 0)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -133,19 +133,19 @@ def imported(file: Path) -> Iterator[Path]:
 
 def users(changed: Path) -> set[Path]:
     """A module and all that import it, directly or not: their kernels may hold its code."""
-    found = {changed}
-    while more := {file for file, those in imports().items() if those & found} - found:
-        found |= more
-    return found
+    users_found = {changed}
+    while more := {file for file, imported in imports().items() if imported & users_found} - users_found:
+        users_found |= more
+    return users_found
 
 
 PATIENCE = 900  # processor time with the compiler [s]
 
 
-def run_compiled(command: list[str], changed: Path | None = None, **others: str) -> bool:
+def run_compiled(command: list[str], changed: Path | None = None, **variables: str) -> bool:
     """Whether a command ends well with compiled kernels; those that cannot hold code of a changed module are taken
     from the cache, which commands without one fill."""
-    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"} | others
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"} | variables
     cache, limit = Path("cache"), resource.RLIM_INFINITY
     if changed is not None:
         shutil.copytree(cache, cache := Path("own_cache"))
@@ -189,9 +189,11 @@ class Tests:
             for file in self.files:
                 record = self.kept / f"{hashlib.sha1(Path(file).read_bytes()).hexdigest()[:12]}.{form}.json"
                 if not record.exists():
-                    others = {"CALLS": str(record), "PATIENCE": str(self.longest[form])}
-                    others |= {"NUMBA_DISABLE_JIT": "1"} if form == "plain" else {}
-                    run_compiled([sys.executable, "-m", "pytest", *PYTEST, "-p", "campaigns.calls", file], **others)
+                    environment = {"CALLS": str(record), "PATIENCE": str(self.longest[form])}
+                    environment |= {"NUMBA_DISABLE_JIT": "1"} if form == "plain" else {}
+                    run_compiled(
+                        [sys.executable, "-m", "pytest", *PYTEST, "-p", "campaigns.calls", file], **environment
+                    )
                 for test, (passed, seconds, calls) in json.loads(record.read_text()).items():
                     self.calls.setdefault(test, set()).update(calls)
                     if passed:
@@ -200,7 +202,7 @@ class Tests:
 
     def chosen(self, mutant: Mutant, form: str, done: Collection[str] = ()) -> dict[str, float]:
         """Tests with their times [s]: of the function, then of its module and modules that import it."""
-        near = {str(file) for file, those in imports().items() if mutant.file in those} | {str(mutant.file)}
+        near = {str(file) for file, imported in imports().items() if mutant.file in imported} | {str(mutant.file)}
         reach = {test for test, calls in self.calls.items() if near & {call.split(":")[0] for call in calls}}
         exact = {test for test in reach if f"{mutant.file}:{mutant.function}" in self.calls[test]}
         if form == "plain" and exact:
@@ -210,11 +212,11 @@ class Tests:
         for test in sorted(reach & self.seconds[form].keys() - set(done), key=self.seconds[form].__getitem__):
             turns[family := (test not in exact, test.split("[")[0])] += 1
             order.append((test not in exact, turns[family], self.seconds[form][test], test))
-        found: dict[str, float] = {}
+        order_chosen: dict[str, float] = {}
         for *_, seconds, test in sorted(order):
-            if sum(found.values()) + seconds <= LONG:
-                found[test] = seconds
-        return found
+            if sum(order_chosen.values()) + seconds <= LONG:
+                order_chosen[test] = seconds
+        return order_chosen
 
     def quick(self, mutant: Mutant) -> tuple[Check, float] | None:
         """What to try without the compiler, and its usual time [s]."""

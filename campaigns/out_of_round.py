@@ -73,11 +73,11 @@ def table(places: str) -> RadiusTable:
 def carrying(model: ContactModel, height: float, angle: float) -> tuple[float, Contact]:
     """How far the wheelset is below its nominal height under the load [m], and the contact; height: about where."""
 
-    def at(z: float) -> Contact:
+    def contact_at(z: float) -> Contact:
         return model.evaluate((0.0, 0.0, RADIUS - z), wheel_angle=angle)
 
-    z = brentq(lambda z: float(at(z).force[2]) / LOAD - 1.0, height - BRACKET, height + BRACKET, xtol=1e-10)
-    return z, at(z)
+    z = brentq(lambda z: float(contact_at(z).force[2]) / LOAD - 1.0, height - BRACKET, height + BRACKET, xtol=1e-10)
+    return z, contact_at(z)
 
 
 WHEELS: dict[str, Part] = {
@@ -100,20 +100,24 @@ def random_poses(count: int) -> None:
             )
             for normal in ("half-space", "strips", "kik-piotrowski")
         }
-        found = np.zeros((len(models), count, 3))
+        figures = np.zeros((len(models), count, 3))
         for k in range(count):
             lateral, yaw = rng.uniform(-4e-3, 1e-3), rng.uniform(-8e-3, 8e-3)
             angle = rng.uniform(0.0, 6.0) if isinstance(part, Harmonic) else rng.uniform(-0.06, 0.06)
             axle = (-np.sin(yaw), np.cos(yaw), 0.0)
             start = [[0.0, lateral, 0.461, *axle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
             pose = models["strips"].solve_many(start, 7e4, threads=1, wheel_angle=angle).poses[0]
-            for own, model in zip(found, models.values(), strict=True):
+            for rows_of_model, model in zip(figures, models.values(), strict=True):
                 contact = model.evaluate(pose[:3], axle, wheel_angle=angle)
                 strips = np.concatenate(contact.strips)
                 middle = strips["N"] @ strips["x"] / strips["N"].sum()
-                own[k] = contact.normal_force, contact.patches["p0"].max(), 1e3 * middle
-        for normal, own in list(zip(models, found, strict=True))[1:]:
-            off = np.abs(np.column_stack([100.0 * (own[:, :2] / found[0, :, :2] - 1.0), own[:, 2] - found[0, :, 2]]))
+                rows_of_model[k] = contact.normal_force, contact.patches["p0"].max(), 1e3 * middle
+        for normal, rows_of_model in list(zip(models, figures, strict=True))[1:]:
+            off = np.abs(
+                np.column_stack(
+                    [100.0 * (rows_of_model[:, :2] / figures[0, :, :2] - 1.0), rows_of_model[:, 2] - figures[0, :, 2]]
+                )
+            )
             cells = (f"{m:.2g} / {w:.2g}" for m, w in zip(np.median(off, axis=0), off.max(axis=0), strict=True))
             print(f"{name:32} {normal:15} {', '.join(cells)}", flush=True)
 
@@ -122,11 +126,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--random", type=int, default=0, metavar="N")
     parser.add_argument("--models", default="strips,kik-piotrowski,half-space")
-    given = parser.parse_args()
-    if given.random:
-        random_poses(given.random)
+    arguments = parser.parse_args()
+    if arguments.random:
+        random_poses(arguments.random)
     else:
-        beside_contact(given.models.split(","))
+        beside_contact(arguments.models.split(","))
 
 
 def beside_contact(normals: list[str]) -> None:

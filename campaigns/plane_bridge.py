@@ -52,20 +52,20 @@ class Model:
         self.matrices = [sparse.lil_matrix((self.size, self.size)) for _ in range(3)]
         self._beam(self.rail, rails, self.rail_step, *RAIL)
         self._beam(self.bridge, elements + 1, ELEMENT, *BRIDGE)
-        own = slice(self.bridge, self.bridge + 2 * elements + 2)
+        deck = slice(self.bridge, self.bridge + 2 * elements + 2)
         mass, damping, stiffness = self.matrices
         first_two = (np.pi * np.array([1, 2]) / span) ** 2 * np.sqrt(BRIDGE[0] / BRIDGE[1])
         of_mass, of_stiffness = np.linalg.solve(0.5 * np.array([1 / first_two, first_two]).T, [DAMPING, DAMPING])
-        damping[own, own] = of_mass * mass[own, own] + of_stiffness * stiffness[own, own]
+        damping[deck, deck] = of_mass * mass[deck, deck] + of_stiffness * stiffness[deck, deck]
         for k in range(sleepers):
-            at, beside = int(first[1]) + k, int(first[3]) + (k if k < before else k - on)
-            self._spring([self.rail + 2 * rail_elements * k, at], [1, -1], PAD)
-            mass[at, at] += SLEEPER
+            sleeper, beside = int(first[1]) + k, int(first[3]) + (k if k < before else k - on)
+            self._spring([self.rail + 2 * rail_elements * k, sleeper], [1, -1], PAD)
+            mass[sleeper, sleeper] += SLEEPER
             if before <= k < before + on:
                 below = self.bridge + 2 * round((k - before) * SPACING / ELEMENT)
-                self._spring([at, below], [1, -1], BALLAST if ballast else ON_BRIDGE)
+                self._spring([sleeper, below], [1, -1], BALLAST if ballast else ON_BRIDGE)
             else:
-                self._spring([at, beside], [1, -1], BALLAST)
+                self._spring([sleeper, beside], [1, -1], BALLAST)
                 self._spring([beside], [1], SUBSOIL)
                 mass[beside, beside] += BALLAST_MASS
         for i in range(elements + 1 if ballast else 0):
@@ -75,14 +75,14 @@ class Model:
         for i, way in ((2, 1.0), (4, -1.0)):
             self._spring([0, 1, i], [1.0, way * PIVOT, -1.0], SECONDARY)
         self.matrices = [m.tocsr() for m in self.matrices]
-        self.free = np.setdiff1d(np.arange(self.size), [self.bridge, own.stop - 2])
+        self.free = np.setdiff1d(np.arange(self.size), [self.bridge, deck.stop - 2])
 
-    def _beam(self, at: int, nodes: int, a: float, bending: float, mass: float) -> None:
+    def _beam(self, first: int, nodes: int, a: float, bending: float, mass: float) -> None:
         k = [[12, 6 * a, -12, 6 * a], [6 * a, 4 * a**2, -6 * a, 2 * a**2]]
         k += [[-12, -6 * a, 12, -6 * a], [6 * a, 2 * a**2, -6 * a, 4 * a**2]]
         m = [[156, 22 * a, 54, -13 * a], [22 * a, 4 * a**2, 13 * a, -3 * a**2]]
         m += [[54, 13 * a, 156, -22 * a], [-13 * a, -3 * a**2, -22 * a, 4 * a**2]]
-        for i in range(at, at + 2 * nodes - 2, 2):
+        for i in range(first, first + 2 * nodes - 2, 2):
             self.matrices[0][i : i + 4, i : i + 4] += mass * a / 420 * np.array(m)
             self.matrices[2][i : i + 4, i : i + 4] += bending / a**3 * np.array(k)
 
@@ -90,9 +90,9 @@ class Model:
         for matrix, number in zip(self.matrices[:0:-1], of, strict=True):
             matrix[np.ix_(places, places)] += number * np.outer(way, way)
 
-    def at(self, time: float) -> tuple[list[Any], Array]:
+    def matrices_at(self, time: float) -> tuple[list[Any], Array]:
         """Matrices and forces with the wheels at their places."""
-        force, found = np.zeros(self.size), [m.copy() for m in self.matrices]
+        force, matrices = np.zeros(self.size), [m.copy() for m in self.matrices]
         force[[0, 2, 4]] = -GRAVITY * np.array([BODY[0], FRAME[0], FRAME[0]])
         terms: list[list[Array]] = [[], [], []]
         rows, columns = [], []
@@ -101,20 +101,20 @@ class Model:
                 x = 21.6 + SPEED * time + pivot + way * AXLE - PIVOT - AXLE
                 e = int(x / self.rail_step)
                 value, slope, bend = shapes(x - e * self.rail_step, self.rail_step)
-                own = np.append([frame, frame + 1], self.rail + 2 * e + np.arange(4))
-                n, n_x, n_xx = (np.append([0, 0], one) for one in (value, slope, bend))
+                unknowns = np.append([frame, frame + 1], self.rail + 2 * e + np.arange(4))
+                n, n_x, n_xx = (np.append([0, 0], shape) for shape in (value, slope, bend))
                 travel = np.append([1.0, way * AXLE], np.zeros(4)) - n
                 terms[0].append(WHEELSET * np.outer(n, n))
                 terms[1].append(PRIMARY[1] * np.outer(travel, travel) + 2 * WHEELSET * SPEED * np.outer(n, n_x))
                 moving = WHEELSET * SPEED**2 * np.outer(n, n_xx) - PRIMARY[1] * SPEED * np.outer(travel, n_x)
                 terms[2].append(PRIMARY[0] * np.outer(travel, travel) + moving)
-                rows.append(np.repeat(own, 6))
-                columns.append(np.tile(own, 6))
-                force[own[2:]] -= WHEELSET * GRAVITY * value
+                rows.append(np.repeat(unknowns, 6))
+                columns.append(np.tile(unknowns, 6))
+                force[unknowns[2:]] -= WHEELSET * GRAVITY * value
         places = np.concatenate(rows), np.concatenate(columns)
-        more = (sparse.csr_matrix((np.ravel(t), places), shape=found[0].shape) for t in terms)
-        found = [(a + b)[self.free][:, self.free] for a, b in zip(found, more, strict=True)]
-        return found, force[self.free]
+        more = (sparse.csr_matrix((np.ravel(t), places), shape=matrices[0].shape) for t in terms)
+        matrices = [(a + b)[self.free][:, self.free] for a, b in zip(matrices, more, strict=True)]
+        return matrices, force[self.free]
 
     def mid_span(self, u: Array) -> tuple[float, float]:
         """Value there, and bending moment, from both sides, linear between the nodes beside it."""
@@ -130,17 +130,17 @@ class Model:
 
     def run(self, step: float) -> Array:
         """Largest deflection [m], bending moment [N m] and acceleration [m/s2] at mid-span."""
-        (_, _, stiffness), force = self.at(0.0)
+        (_, _, stiffness), force = self.matrices_at(0.0)
         u = splu(stiffness.tocsc()).solve(force)
-        u_t, u_tt, found = np.zeros_like(u), np.zeros_like(u), []
+        u_t, u_tt, rows = np.zeros_like(u), np.zeros_like(u), []
         for k in range(1, int((self.start + self.span + 30.0 - 21.6) / SPEED / step)):
-            (mass, damping, stiffness), force = self.at(k * step)
+            (mass, damping, stiffness), force = self.matrices_at(k * step)
             of_mass, of_damping = 4 / step**2 * u + 4 / step * u_t + u_tt, 2 / step * u + u_t
             whole = stiffness + 2 / step * damping + 4 / step**2 * mass
             u = splu(whole.tocsc()).solve(force + mass @ of_mass + damping @ of_damping)
             u_t, u_tt = 2 / step * u - of_damping, 4 / step**2 * u - of_mass
-            found.append((*self.mid_span(u), self.mid_span(u_tt)[0]))
-        return np.asarray(np.abs(found).max(axis=0))
+            rows.append((*self.mid_span(u), self.mid_span(u_tt)[0]))
+        return np.asarray(np.abs(rows).max(axis=0))
 
 
 def main() -> None:
@@ -150,12 +150,12 @@ def main() -> None:
     parser.add_argument("--no-ballast", action="store_true", help="sleepers of the bridge on pads of their own")
     parser.add_argument("--rail-elements", type=int, nargs="+", default=[2], help="from sleeper to sleeper")
     parser.add_argument("--steps-us", type=float, nargs="+", default=[1000.0])
-    given = parser.parse_args()
-    for elements in given.rail_elements:
-        for step in given.steps_us:
-            found = Model(given.span, not given.no_ballast, elements).run(1e-6 * step)
-            off = ", ".join(f"{100 * part:+.2f} %" for part in found / PUBLISHED - 1.0)
-            numbers = f"{1e3 * found[0]:.4f} mm, {found[1]:.0f} N m, {found[2]:.4f} m/s2"
+    arguments = parser.parse_args()
+    for elements in arguments.rail_elements:
+        for step in arguments.steps_us:
+            peaks = Model(arguments.span, not arguments.no_ballast, elements).run(1e-6 * step)
+            off = ", ".join(f"{100 * part:+.2f} %" for part in peaks / PUBLISHED - 1.0)
+            numbers = f"{1e3 * peaks[0]:.4f} mm, {peaks[1]:.0f} N m, {peaks[2]:.4f} m/s2"
             print(f"{elements} elements, {step:g} us: {numbers}; {off}")
 
 

@@ -158,30 +158,38 @@ def strip_regions(strips: Array, place: float) -> tuple[Region, ...]:
     label = np.arange(len(strips))
     for i, j in np.argwhere(joined):
         label[label == label[j]] = label[i]
-    found = []
-    for one in np.unique(label):
-        own = strips[label == one]
-        own = own[np.argsort(own["o"] * own["nb"].mean() - own["b"] * own["no"].mean())]
-        angle = np.arctan2(-own["no"], own["nb"])
+    regions = []
+    for region in np.unique(label):
+        strips_of_region = strips[label == region]
+        strips_of_region = strips_of_region[
+            np.argsort(
+                strips_of_region["o"] * strips_of_region["nb"].mean()
+                - strips_of_region["b"] * strips_of_region["no"].mean()
+            )
+        ]
+        angle = np.arctan2(-strips_of_region["no"], strips_of_region["nb"])
         ends = (angle[0], angle[-1])
-        if len(own) > 1:  # at the outer edges of the outer strips
-            ds = own["ds"]
+        if len(strips_of_region) > 1:  # at the outer edges of the outer strips
+            ds = strips_of_region["ds"]
             beyond = ds[[0, -1]] / (ds[[0, -1]] + ds[[1, -2]])
             ends = tuple(angle[[0, -1]] + beyond * (angle[[0, -1]] - angle[[1, -2]]))
-        force = own["N"]
-        found.append(
+        force = strips_of_region["N"]
+        regions.append(
             Region(
                 float(force.sum()),
-                float(own["p"].max()),
-                float((2.0 * own["a"] * own["ds"]).sum()),
-                float(force @ own["o"] / force.sum()) + place,
-                float(own["ds"].sum()),
-                float((own["x"] + own["a"]).max() - (own["x"] - own["a"]).min()),
+                float(strips_of_region["p"].max()),
+                float((2.0 * strips_of_region["a"] * strips_of_region["ds"]).sum()),
+                float(force @ strips_of_region["o"] / force.sum()) + place,
+                float(strips_of_region["ds"].sum()),
+                float(
+                    (strips_of_region["x"] + strips_of_region["a"]).max()
+                    - (strips_of_region["x"] - strips_of_region["a"]).min()
+                ),
                 float(ends[0]),
                 float(ends[1]),
             )
         )
-    return tuple(sorted(found, key=lambda r: -r.normal_force))
+    return tuple(sorted(regions, key=lambda r: -r.normal_force))
 
 
 def answer_of_strips(model: ContactModel, contact: Contact, place: float, repeats: int = 10) -> Answer | None:
@@ -298,10 +306,10 @@ def read(path: Path) -> list[Row]:
 
 def by_case(rows: Iterable[Row]) -> dict[str, dict[str, list[Row]]]:
     """Case -> method -> rows (one for each patch)."""
-    found: dict[str, dict[str, list[Row]]] = {}
+    cases: dict[str, dict[str, list[Row]]] = {}
     for row in rows:
-        found.setdefault(row["case_id"], {}).setdefault(row["method"], []).append(row)
-    return found
+        cases.setdefault(row["case_id"], {}).setdefault(row["method"], []).append(row)
+    return cases
 
 
 @cache
@@ -348,13 +356,15 @@ def pose_of(row: Row) -> Pose:
 
 
 def static_answers(
-    chosen: Chosen, cases: dict[str, dict[str, list[Row]]], folder: Path, own: bool
+    chosen: Chosen, cases: dict[str, dict[str, list[Row]]], folder: Path, with_shipped: bool
 ) -> Iterator[tuple[str, Row, Answer | None]]:
-    """Answers to the cases of a static table; own: with our profiles, else the Manchester ones."""
+    """Answers to the cases of a static table; with_shipped: with our profiles, else the Manchester ones."""
     for name, methods in cases.items():
         row = next(iter(methods.values()))[0]
         rolling = row.get("tang", "3") == "3"
-        place = own_place(row["wheel"], row["rail"], row["cant_label"], rolling) if own else bench_place(folder)
+        place = (
+            own_place(row["wheel"], row["rail"], row["cant_label"], rolling) if with_shipped else bench_place(folder)
+        )
         spin = abs(float(row["vpitch_radps"]))
         yield name, row, solve(chosen, place, pose_of(row), spin, 1e-3 * float(row["dx_eff_mm"]))
 

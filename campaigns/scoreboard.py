@@ -69,12 +69,12 @@ def single_region(rows: Sequence[Row]) -> bool:
 
 def truths(cases: dict[str, dict[str, list[Row]]]) -> dict[str, Row]:
     """The row of every case that has a truth."""
-    found: dict[str, Row] = {}
+    rows_of_truth: dict[str, Row] = {}
     for name, methods in cases.items():
         for method in ("contact_planar", "contact_conf_hs"):  # the later wins
             if method in methods and single_region(methods[method]):
-                found[name] = methods[method][0]
-    return found
+                rows_of_truth[name] = methods[method][0]
+    return rows_of_truth
 
 
 def peer(cases: dict[str, dict[str, list[Row]]], method: str) -> dict[str, Values]:
@@ -141,16 +141,16 @@ class Board:
 
     def cases(self, file: str) -> dict[str, dict[str, list[Row]]]:
         """Cases of a reference table, every N-th of them."""
-        found = by_case(read(self.folder / f"{file}.csv"))
-        return dict(list(found.items())[:: self.every])
+        cases = by_case(read(self.folder / f"{file}.csv"))
+        return dict(list(cases.items())[:: self.every])
 
     def answers_to(self, file: str, chosen: Chosen) -> dict[str, Answer]:
         """Answers of a model to a static table; solved once."""
         key = (file, chosen.name)
         if key not in self.answers:
             cases = self.cases(file)
-            found = static_answers(chosen, cases, self.folder, file != "mbench_a22")
-            self.answers[key] = {name: answer for name, _, answer in found if answer is not None}
+            answers = static_answers(chosen, cases, self.folder, file != "mbench_a22")
+            self.answers[key] = {name: answer for name, _, answer in answers if answer is not None}
         return self.answers[key]
 
 
@@ -203,11 +203,11 @@ def score_regions(board: Board) -> None:
             answers = board.answers_to(file, chosen)
             same, errors, worst = 0, [], (0.0, "")
             for name, rows in several.items():
-                found = answers[name].regions if name in answers else ()
-                same += len(found) == len(rows)
+                regions = answers[name].regions if name in answers else ()
+                same += len(regions) == len(rows)
                 for row in rows:
                     force, place = float(row["N_comp_N"]), 1e-3 * float(row["y_tr_cog_mm"])
-                    near = min(found, key=lambda r, place=place: abs(r.place - place), default=None)
+                    near = min(regions, key=lambda r, place=place: abs(r.place - place), default=None)
                     error = abs(near.normal_force / force - 1.0) if near is not None else 1.0
                     errors.append(error)
                     worst = max(worst, (error, name))
@@ -268,14 +268,14 @@ ARC_KEYS = ("R_wheel_mm", "R_roll_mm", "alpha_nom_deg", "N_nom_N")
 
 def arc_cases(folder: Path) -> dict[tuple[str, ...], dict[str, Row]]:
     """Frictionless arcs: pose -> method -> row with the smallest elements."""
-    found: dict[tuple[str, ...], dict[str, Row]] = {}
+    poses: dict[tuple[str, ...], dict[str, Row]] = {}
     for row in read(folder / "conformal.csv"):
         if row["tang"] == "0" and row["ierr"] == "0":
-            methods = found.setdefault(tuple(row[key] for key in ARC_KEYS), {})
+            methods = poses.setdefault(tuple(row[key] for key in ARC_KEYS), {})
             held = methods.get(row["method"])
             if held is None or float(row["dx_mm"]) < float(held["dx_mm"]):
                 methods[row["method"]] = row
-    return {pose: methods for pose, methods in found.items() if "contact_conf_hs" in methods}
+    return {pose: methods for pose, methods in poses.items() if "contact_conf_hs" in methods}
 
 
 def arc_figures(row: Row) -> Values:

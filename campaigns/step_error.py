@@ -59,24 +59,24 @@ def scenario_of(case: str, reference: Path | None, folder: Path) -> Scenario:
 
 def series(dataset: xr.Dataset) -> dict[str, np.ndarray]:
     """Quantities (sample, wheelset or wheel) in the units of ``QUANTITIES``."""
-    found = {}
+    quantities = {}
     for name, (channel, factor, _) in QUANTITIES.items():
         values = dataset[channel].sum("patch") if "patch" in dataset[channel].dims else dataset[channel]
-        found[name] = factor * values.values.reshape(dataset.sizes["time"], -1)
-    return found
+        quantities[name] = factor * values.values.reshape(dataset.sizes["time"], -1)
+    return quantities
 
 
 def differences(result: Result, tight: Result) -> dict[str, list[float]]:
     """rms of the wheelset or wheel with the least and the largest, of all, and the largest difference."""
-    one, other = result.dataset, tight.dataset
-    if one.attrs["status"] != "completed" or not np.allclose(one["time"], other["time"], rtol=0.0, atol=1e-9):
-        raise SystemExit(f"{one.attrs['title']}: has stopped, or the samples of the runs differ")
-    expected, found = series(other), {}
-    for name, values in series(one).items():
+    coarse, fine = result.dataset, tight.dataset
+    if coarse.attrs["status"] != "completed" or not np.allclose(coarse["time"], fine["time"], rtol=0.0, atol=1e-9):
+        raise SystemExit(f"{coarse.attrs['title']}: has stopped, or the samples of the runs differ")
+    expected, errors = series(fine), {}
+    for name, values in series(coarse).items():
         off = values - expected[name]
         each = np.sqrt((off**2).mean(0))
-        found[name] = [each.min(), each.max(), np.sqrt((off**2).mean()), np.abs(off).max()]
-    return found
+        errors[name] = [each.min(), each.max(), np.sqrt((off**2).mean()), np.abs(off).max()]
+    return errors
 
 
 def errors(case: str, reference: Path | None, folder: Path) -> list[list[str]]:

@@ -53,13 +53,13 @@ def wide(random: np.random.Generator) -> Drawn:
     return int(random.integers(6)), random.uniform(-6.0, 8.5), yaw, random.choice(LOADS)
 
 
-def others(random: np.random.Generator) -> Drawn:
+def unfamiliar(random: np.random.Generator) -> Drawn:
     """Profiles that the model was not made with."""
     pair, yaw = len(PAIRS) + int(random.integers(len(OTHERS))), random.uniform(-40.0, 40.0)
     return pair, random.uniform(-14.0, 14.0), yaw, float(np.exp(random.uniform(0.0, np.log(200.0))))
 
 
-KINDS: tuple[Callable[[np.random.Generator], Drawn], ...] = (root, corner, yawed, wide, others)
+KINDS: tuple[Callable[[np.random.Generator], Drawn], ...] = (root, corner, yawed, wide, unfamiliar)
 
 
 def compare(stand: Stand, drawn: Drawn, exact: HalfSpace) -> tuple[float, float, int, int]:
@@ -95,18 +95,18 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     a = parser.parse_args()
     stands = [Stand(pair, a.strips) for pair in (*PAIRS, *OTHERS)]
-    exact, found = HalfSpace(resolution=a.resolution), {}
+    exact, spreads = HalfSpace(resolution=a.resolution), {}
     for kind in KINDS:
         random = np.random.default_rng(a.seed)
         drawn = [kind(random) for _ in range(a.poses)]
         rows = np.array([compare(stands[pose[0]], pose, exact) for pose in drawn])
-        found[kind.__name__] = {
+        spreads[kind.__name__] = {
             "N": spread(rows[:, 0]), "p0": spread(rows[:, 1]),
             "with fewer strips": int((rows[:, 2] < a.strips).sum()), "Jacobians": float(rows[:, 3].mean()),
         }  # fmt: skip
-        print(kind.__name__, json.dumps(found[kind.__name__]), flush=True)
+        print(kind.__name__, json.dumps(spreads[kind.__name__]), flush=True)
     if a.json:
-        a.json.write_text(json.dumps(found, indent=1) + "\n")
+        a.json.write_text(json.dumps(spreads, indent=1) + "\n")
 
 
 if __name__ == "__main__":

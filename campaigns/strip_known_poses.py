@@ -64,9 +64,12 @@ def measure(stand: Stand, known: Known) -> dict[str, object]:
 
     start, end = settle(known.start), settle(known.end)
     settle(known.y)
-    there = half_space()
+    exact_contact = half_space()
     lobes = arrays.patches[: arrays.total["lobes"]]
-    p0, normal = lobes["p0"].max() / max(p.p0 for p in there.patches), lobes["N"].sum() / there.normal_force
+    p0, normal = (
+        lobes["p0"].max() / max(p.p0 for p in exact_contact.patches),
+        lobes["N"].sum() / exact_contact.normal_force,
+    )
     unsolved, largest, ends, forces = 0, 0.0, 0.0, []
     shifts = np.arange(known.start, known.end, known.step)
     for i, y in enumerate(shifts):
@@ -74,10 +77,10 @@ def measure(stand: Stand, known: Known) -> dict[str, object]:
         stand.strips.evaluate(1e-3 * y, height, yaw, 0.0)
         unsolved += bool(arrays.status & STATUS_NOT_CONVERGED)
         forces.append(stand.strips.force.copy())
-        own = force(stand.strips)
+        normal_force = force(stand.strips)
         ends = max(ends, worst_end(arrays))
         if i % max(len(shifts) // COMPARED, 1) == 0:
-            largest = max(largest, abs(own / half_space().normal_force - 1.0))
+            largest = max(largest, abs(normal_force / half_space().normal_force - 1.0))
     change = np.abs(np.diff(forces, axis=0)).max(axis=1) / load
     most = float(np.abs(forces).max()) / load
     return {

@@ -235,10 +235,10 @@ def walk(followed: Stand, afresh: Stand, random: np.random.Generator) -> Counter
             unsolved=bool(followed.arrays.status & STATUS_NOT_CONVERGED),
             unsolved_afresh=bool(afresh.arrays.status & STATUS_NOT_CONVERGED),
         )  # fmt: skip
-    both = np.array(normal)
-    load = np.maximum(both[:, 1], LEAST)
-    apart = np.abs(both[:, 0] - both[:, 1]) / load
-    change = np.diff(both, axis=0) / load[1:, None]
+    forces = np.array(normal)
+    load = np.maximum(forces[:, 1], LEAST)
+    apart = np.abs(forces[:, 0] - forces[:, 1]) / load
+    change = np.diff(forces, axis=0) / load[1:, None]
     beside = np.maximum(np.abs(change[:-2]), np.abs(change[2:]))
     jumps = np.abs(change[1:-1]) - beside > JUMP
     count["changes_of_lobes"] = int(np.count_nonzero(np.diff(lobes)))
@@ -256,10 +256,10 @@ def walks(arguments: argparse.Namespace) -> dict[str, object]:
     total: Counter[str] = Counter()
     largest = 0
     while total["walks"] < arguments.walks:
-        found = walk(*pairs[random.integers(len(pairs))], random)
-        if found is not None:
-            largest = max(largest, found.pop("largest_ppm"))
-            total += found
+        counts = walk(*pairs[random.integers(len(pairs))], random)
+        if counts is not None:
+            largest = max(largest, counts.pop("largest_ppm"))
+            total += counts
     names = (
         "walks", "steps", "residuals", "jacobians", "changes_of_lobes", "fewer", "unsolved",
         "unsolved_afresh", "different", "different_by_1e-3", "jumps", "jumps_afresh",

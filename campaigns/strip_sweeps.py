@@ -31,9 +31,9 @@ def worst_end(arrays: KernelArrays) -> float:
     half-space solver has such regions too, with the same force.
     """
     number, lobes = int(arrays.total["lobes"]), arrays.patches
-    own = [arrays.strips[i, : lobes["n_strips"][i]] for i in range(number)]
-    lobe = np.repeat(np.arange(number), [len(strips) for strips in own])
-    strips = np.concatenate(own)
+    strips_of_lobes = [arrays.strips[i, : lobes["n_strips"][i]] for i in range(number)]
+    lobe = np.repeat(np.arange(number), [len(strips) for strips in strips_of_lobes])
+    strips = np.concatenate(strips_of_lobes)
     if not len(strips):
         return 0.0
     place, width = strips["s"] + lobes["arc_rail"][lobe], strips["ds"]

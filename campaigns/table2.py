@@ -62,16 +62,16 @@ def ours(dataset: xr.Dataset) -> Array:
 def comparison(dataset: xr.Dataset) -> str:
     """Both tables as one in Markdown, and what the paper does not tell of each case."""
     shifts, paper = published()
-    here = ours(dataset)
+    computed = ours(dataset)
     main = dataset.isel(wheel=0, patch=0)
     lines = _head(shifts)
     names = ("number of strips", "largest pressure [MPa]", "variation of the contact angle [deg]")
     for i, (name, form) in enumerate(zip(names, ("{:.0f}", "{:.0f}", "{:.2f}"), strict=True)):
         lines.append(_row(f"**{name}**, paper", [f"{v:g}" for v in paper[:, i]]))
-        lines.append(_row("with the stand-in wheel", [form.format(v) for v in here[:, i]]))
-        lines.append(_row("difference", [f"{v:+.0f} %" for v in 100.0 * (here[:, i] / paper[:, i] - 1.0)]))
+        lines.append(_row("with the stand-in wheel", [form.format(v) for v in computed[:, i]]))
+        lines.append(_row("difference", [f"{v:+.0f} %" for v in 100.0 * (computed[:, i] / paper[:, i] - 1.0)]))
     rise = dataset["vertical_shift"] - dataset["vertical_shift"][0]
-    others = {
+    quantities = {
         "contact angle at the main point [deg]": (main["contact_angle"] * DEGREES, "{:.1f}"),
         "normal force [kN]": (main["N"] / 1e3, "{:.1f}"),
         "approach [um]": (main["approach"] * 1e6, "{:.0f}"),
@@ -80,7 +80,7 @@ def comparison(dataset: xr.Dataset) -> str:
         "height over the wheel's place at 0 mm [mm]": (rise * 1e3, "{:.2f}"),
         "number of patches": (dataset["n_patches"].isel(wheel=0), "{:.0f}"),
     }
-    lines += [_row(name, [form.format(float(v)) for v in values.values]) for name, (values, form) in others.items()]
+    lines += [_row(name, [form.format(float(v)) for v in values.values]) for name, (values, form) in quantities.items()]
     return "\n".join(lines)
 
 

@@ -122,18 +122,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="?", type=Path)
     parser.add_argument("--workers", type=int)
-    given = parser.parse_args()
+    arguments = parser.parse_args()
     states: dict[str, dict[str, Any]] = {"as drawn": {}} | {name: keys for name, (keys, _) in DEFECTS.items()} | SOUND
-    found: list[Verdict] = []
-    with tempfile.TemporaryDirectory() as own:
-        folder = given.folder or Path(own)
+    outcomes: list[Verdict] = []
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = arguments.folder or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
         for seed, changes in ((1, states), (11, {ELSEWHERE: AS_DRAWN})):
             file = folder / f"defects_{seed}.toml"
             file.write_text(programme(changes, seed))
-            found += run_type_test(file, folder / file.stem, workers=given.workers, notify=print).value
+            outcomes += run_type_test(file, folder / file.stem, workers=arguments.workers, notify=print).value
     red: dict[str, list[str]] = {}
-    for v in found:
+    for v in outcomes:
         red.setdefault(v.state, [])
         if v.ok is False:
             red[v.state].append(v.clause)

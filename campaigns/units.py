@@ -33,20 +33,20 @@ def played(unit: Path) -> list[list[float]]:
     about, folder = fmpy.read_model_description(str(unit)), fmpy.extract(str(unit))
     kind = FMU2Slave if about.fmiVersion == "2.0" else FMU3Slave
     identifier = about.coSimulation.modelIdentifier
-    one = kind(guid=about.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="coach")
-    one.instantiate()
+    instance = kind(guid=about.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="coach")
+    instance.instantiate()
     if kind is FMU2Slave:
-        one.setupExperiment()
-    one.enterInitializationMode()
-    one.exitInitializationMode()
+        instance.setupExperiment()
+    instance.enterInitializationMode()
+    instance.exitInitializationMode()
     names = [variable.valueReference for variable in about.modelVariables if variable.causality == "output"]
     rows = []
     for k in range(STEPS):
-        one.doStep(k * STEP, STEP)
+        instance.doStep(k * STEP, STEP)
         if (k + 1) % EVERY == 0:
-            rows.append(list(one.getReal(names) if kind is FMU2Slave else one.getFloat64(names)))
-    one.terminate()
-    one.freeInstance()
+            rows.append(list(instance.getReal(names) if kind is FMU2Slave else instance.getFloat64(names)))
+    instance.terminate()
+    instance.freeInstance()
     return rows
 
 
@@ -61,9 +61,13 @@ def on_arm(unit: Path, scratch: Path) -> list[list[float]]:
     command = [sys.executable, "-m", "ziglang", "cc", "-target", "aarch64-linux-gnu.2.28", "-ldl", "-o", "player"]
     subprocess.run([*command, str(source)], cwd=scratch, check=True)
     emulator = shutil.which("qemu-aarch64-static") or "qemu-aarch64"
-    words = [library, root.get("instantiationToken"), outputs[0], len(outputs), STEPS, EVERY]
+    command_arguments = [library, root.get("instantiationToken"), outputs[0], len(outputs), STEPS, EVERY]
     done = subprocess.run(
-        [emulator, "-L", SYSROOT, "./player", *map(str, words)], cwd=scratch, check=True, capture_output=True, text=True
+        [emulator, "-L", SYSROOT, "./player", *map(str, command_arguments)],
+        cwd=scratch,
+        check=True,
+        capture_output=True,
+        text=True,
     )
     return [[float(number) for number in line.split()] for line in done.stdout.splitlines()]
 
@@ -72,9 +76,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--windows", help="command that runs Python for Windows")
     parser.add_argument("--play", nargs=2, help=argparse.SUPPRESS)
-    given = parser.parse_args()
-    if given.play:
-        Path(given.play[1]).write_text(json.dumps(played(Path(given.play[0]))), encoding="utf-8")
+    arguments = parser.parse_args()
+    if arguments.play:
+        Path(arguments.play[1]).write_text(json.dumps(played(Path(arguments.play[0]))), encoding="utf-8")
         return
 
     import fmpy
@@ -93,14 +97,14 @@ def main() -> None:
         units = {
             version: Path(write_unit(COACH, place / f"coach{version}.fmu", fmi=version).files[0]) for version in "23"
         }
-        found = {f"FMI {version}, this system": played(unit) for version, unit in units.items()}
-        if given.windows:
+        outputs_of_player = {f"FMI {version}, this system": played(unit) for version, unit in units.items()}
+        if arguments.windows:
             for version, unit in units.items():
                 script, out = Path(__file__), place / f"{version}.json"
-                subprocess.run([*shlex.split(given.windows), script, "--play", unit, out], check=True)
-                found[f"FMI {version}, Windows"] = json.loads(out.read_text(encoding="utf-8"))
+                subprocess.run([*shlex.split(arguments.windows), script, "--play", unit, out], check=True)
+                outputs_of_player[f"FMI {version}, Windows"] = json.loads(out.read_text(encoding="utf-8"))
         if shutil.which("qemu-aarch64-static") or shutil.which("qemu-aarch64"):
-            found["FMI 3, arm64"] = on_arm(units["3"], place)
+            outputs_of_player["FMI 3, arm64"] = on_arm(units["3"], place)
         else:
             print("no qemu-user here (Debian's qemu-user-static, libc6-arm64-cross): arm64 is not run")
         sizes: list[float] = []
@@ -110,7 +114,7 @@ def main() -> None:
         about = fmpy.read_model_description(str(units["3"]))
     kinds = np.array([v.unit for v in about.modelVariables if v.causality == "output"])
     worst = 0.0
-    for name, rows in found.items():
+    for name, rows in outputs_of_player.items():
         off, largest = np.abs(np.array(rows) - reference).max(axis=0), np.abs(reference).max(axis=0)
         by_unit = {kind: off[kinds == kind].max() / largest[kinds == kind].max() for kind in sorted(set(kinds))}
         worst = max(worst, *by_unit.values())

@@ -89,24 +89,24 @@ def place(node: ast.AST) -> Place:
     return (type(node).__name__, *numbers)  # type: ignore[return-value]
 
 
-def difference(one: ast.AST, other: ast.AST) -> tuple[ast.AST, ast.AST]:
+def difference(before: ast.AST, after: ast.AST) -> tuple[ast.AST, ast.AST]:
     """The smallest pair of nodes that holds all that differs between two trees."""
     pairs = []
-    for name, value in ast.iter_fields(one) if type(one) is type(other) else ():
-        beside = getattr(other, name)
+    for name, value in ast.iter_fields(before) if type(before) is type(after) else ():
+        beside = getattr(after, name)
         values, besides = (value, beside) if isinstance(value, list) else ([value], [beside])
         if len(values) != len(besides):
-            return one, other
+            return before, after
         for a, b in zip(values, besides, strict=True):
             if not isinstance(a, ast.AST):
                 if a != b:
-                    return one, other
+                    return before, after
             elif ast.dump(a) != ast.dump(b):
                 pairs.append((a, b))
     if len(pairs) != 1:
-        return one, other
+        return before, after
     inner = difference(*pairs[0])
-    return (one, other) if isinstance(inner[0], ast.operator | ast.unaryop) else inner
+    return (before, after) if isinstance(inner[0], ast.operator | ast.unaryop) else inner
 
 
 class Switches(ast.NodeTransformer):
@@ -116,11 +116,11 @@ class Switches(ast.NodeTransformer):
         self.mutants = mutants
 
     def visit(self, node: ast.AST) -> ast.AST:
-        at = place(node)
+        place_of_node = place(node)
         self.generic_visit(node)
-        if at not in self.mutants or not isinstance(node, ast.expr):
+        if place_of_node not in self.mutants or not isinstance(node, ast.expr):
             return node
-        number, changed = self.mutants.pop(at)
+        number, changed = self.mutants.pop(place_of_node)
         if isinstance(changed, ast.BinOp) and isinstance(changed.op, ast.Div):
             changed = ast.Call(ast.Name("quotient", ast.Load()), [changed.left, changed.right], [])
         call = ast.Call(ast.Name("which", ast.Load()), [ast.Constant(number)], [])
@@ -145,16 +145,16 @@ def build(folder: Path, number: int, seed: int) -> dict[int, str]:
     os.chdir(folder)
     every = [m for f in sorted(Path("wrsim/jit").rglob("*.py")) if not no_kernels(f) and f.name != "which.py"
              for m in mutants_of(f, factors=True)]  # fmt: skip
-    words: dict[int, str] = {}
+    descriptions: dict[int, str] = {}
     of_files: dict[Path, dict[Place, tuple[int, ast.expr]]] = {}
     random.Random(seed).shuffle(every)
     for i, mutant in enumerate(every[:number]):
         code = mutant.file.read_text()
         old, new = difference(*map(ast.parse, (code, mutate_code(code, OPERATORS[mutant.operator], mutant.occurrence))))
-        words[i] = f"{mutant.file}:{mutant.function} {ast.unparse(old)} -> {ast.unparse(new)}"
+        descriptions[i] = f"{mutant.file}:{mutant.function} {ast.unparse(old)} -> {ast.unparse(new)}"
         switch = mutant.function and mutant.file.parent.name != "jit"
         if not switch or not isinstance(old, ast.expr) or not isinstance(new, ast.expr):
-            words[i] += " (no switch)"
+            descriptions[i] += " (no switch)"
         else:
             of_files.setdefault(mutant.file, {})[place(old)] = i, new
     for file, mutants in of_files.items():
@@ -163,8 +163,8 @@ def build(folder: Path, number: int, seed: int) -> dict[int, str]:
         tree.body.insert(first, ast.parse("from wrsim.jit.which import quotient, which").body[0])
         file.write_text(ast.unparse(ast.fix_missing_locations(tree)))
         for number, _ in mutants.values():
-            words[number] += " (no switch)"
-    return words
+            descriptions[number] += " (no switch)"
+    return descriptions
 
 
 def first_red(reference: Path, names: Sequence[str], warm: bool = False) -> str:
@@ -178,7 +178,11 @@ def first_red(reference: Path, names: Sequence[str], warm: bool = False) -> str:
             continue
         verdict = run_comparison(name, comparison, code, True)
         if verdict.word == "red":
-            beyond = [f"{own.quantity} {', '.join(own.beyond)}" for own in verdict.outcomes if own.word == "red"]
+            beyond = [
+                f"{outcome.quantity} {', '.join(outcome.beyond)}"
+                for outcome in verdict.outcomes
+                if outcome.word == "red"
+            ]
             return f"red {name}: {'; '.join(beyond)} {verdict.problem or ''}".strip()
         if warm and verdict.word == "not offered":  # all of them are asked, or mutants go unseen
             return f"{name} is not offered"
@@ -207,9 +211,9 @@ def answers(fine: bool = False) -> Answers:
         yaw, creep = draw.normal(0.0, 5e-3, ANSWERS), draw.normal(1.0, 2e-3, ANSWERS)
         poses[:, 3], poses[:, 4], poses[:, 6] = -np.sin(yaw), np.cos(yaw), 20.0
         poses[:, 9:] = poses[:, 3:6] * (20.0 * creep / RADIUS)[:, None]
-        found = model.solve_many(poses, 6e4, threads=1)
+        solved = model.solve_many(poses, 6e4, threads=1)
         for name in ("force", "moment", "p0", "area"):
-            yield f"{normal}, {tangential}: {name}", np.nan_to_num(getattr(found, name))
+            yield f"{normal}, {tangential}: {name}", np.nan_to_num(getattr(solved, name))
     for name, (way, step) in RUNS.items():
         keys = {"run.distance_m": way, "run.step_us": round(step * FINER) if fine else step}
         data = run(load(f"scenarios/{name}.toml").with_values(keys)).dataset
@@ -218,17 +222,21 @@ def answers(fine: bool = False) -> Answers:
                 yield f"{name}: {channel}", np.nanquantile(data[channel], np.linspace(0.0, 1.0, 21))
 
 
-def change(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+def change(values: NDArray[np.float64], base_values: NDArray[np.float64]) -> float:
     """Largest difference over the largest number of the second."""
-    apart = np.abs(one - other).max() / max(np.abs(other).max(), 1e-30) if one.shape == other.shape else np.inf
+    apart = (
+        np.abs(values - base_values).max() / max(np.abs(base_values).max(), 1e-30)
+        if values.shape == base_values.shape
+        else np.inf
+    )
     return float(np.nan_to_num(apart, nan=np.inf))
 
 
 def alike(number: int, library: ctypes.CDLL, base: dict[str, Any], limits: dict[str, float]) -> str:
     """Whether a mutant changes answers by no more than a finer computation does, in words; else nothing."""
     most, worst = 0.0, ""
-    for name, own in answers():
-        changed = change(own, base[name])
+    for name, values in answers():
+        changed = change(values, base[name])
         if changed > limits[name]:
             return ""
         most, worst = max((most, worst), (changed, name))
@@ -246,16 +254,16 @@ def in_fork(ask: Callable[[], str], number: int, library: ctypes.CDLL) -> str:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         library.wrsim_set(number)
         try:
-            found = ask()
+            verdict = ask()
         except Exception as problem:
-            found = f"red, stopped: {type(problem).__name__}: {problem}"
-        os.write(writing, found.encode())
+            verdict = f"red, stopped: {type(problem).__name__}: {problem}"
+        os.write(writing, verdict.encode())
         os._exit(0)
     os.close(writing)
     with os.fdopen(reading) as told:
-        found = told.read()
+        verdict = told.read()
     _, status = os.waitpid(child, 0)
-    return found or f"red, stopped by signal {os.WTERMSIG(status)}"
+    return verdict or f"red, stopped by signal {os.WTERMSIG(status)}"
 
 
 def main() -> None:
@@ -266,31 +274,31 @@ def main() -> None:
     parser.add_argument("--only", type=int, nargs="+")
     parser.add_argument("--comparisons", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--folder", type=Path, default=Path("build/yardstick_mutants"))
-    given = parser.parse_args()
-    reference, folder = given.reference.resolve(), given.folder.resolve()
-    words = build(folder, SPARE * given.number, given.seed)
+    arguments = parser.parse_args()
+    reference, folder = arguments.reference.resolve(), arguments.folder.resolve()
+    descriptions = build(folder, SPARE * arguments.number, arguments.seed)
     for name in [name for name in sys.modules if name.split(".")[0] in ("wrsim", "campaigns", "support")]:
         del sys.modules[name]  # those of the copy are taken
     sys.path[:0] = [str(folder), str(folder / "tests")]
     os.environ["NUMBA_CACHE_DIR"] = str(folder / "cache")
-    names = given.comparisons
+    names = arguments.comparisons
     if red := first_red(reference, names, warm=True) or first_red(reference, names):
         sys.exit(f"the yardstick must be green where nothing is changed: {red}")
     base = dict(answers())
-    limits = {name: float(np.clip(change(own, base[name]), *LIMITS)) for name, own in answers(fine=True)}
+    limits = {name: float(np.clip(change(values, base[name]), *LIMITS)) for name, values in answers(fine=True)}
     print("what a finer computation changes:", *(f"{name} {limit:.1e}" for name, limit in limits.items()), sep="\n  ")
     library = ctypes.CDLL(str(folder / "libw.so"))
     library.wrsim_met.restype = ctypes.c_long
     count = dict.fromkeys(("red", "survives", "equivalent"), 0)
-    for i in (i for i in given.only or words if not words[i].endswith("(no switch)")):
-        if count["red"] + count["survives"] == given.number:
+    for i in (i for i in arguments.only or descriptions if not descriptions[i].endswith("(no switch)")):
+        if count["red"] + count["survives"] == arguments.number:
             break
-        found = in_fork(lambda: first_red(reference, names) or "survives", i, library)
-        if found == "survives":
+        verdict = in_fork(lambda: first_red(reference, names) or "survives", i, library)
+        if verdict == "survives":
             same = in_fork(partial(alike, i, library, base, limits), i, library)
-            found = same if same.startswith("equivalent") else found
-        count[found.replace(":", " ").replace(",", " ").split()[0]] += 1
-        print(f"{i} {words[i]}: {found}", flush=True)
+            verdict = same if same.startswith("equivalent") else verdict
+        count[verdict.replace(":", " ").replace(",", " ").split()[0]] += 1
+        print(f"{i} {descriptions[i]}: {verdict}", flush=True)
         print(", ".join(f"{number} {word}" for word, number in count.items()), flush=True)
 
 

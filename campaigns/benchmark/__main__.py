@@ -40,8 +40,8 @@ def comparisons(only: Sequence[str] = ()) -> dict[str, ComparisonFile]:
     files = {path.stem: path for path in sorted((HERE / "comparisons").glob("*.toml"))}
     if unknown := [name for name in only if name not in files]:
         raise InputError(f"--only {unknown[0]}: must be one of {', '.join(files)}")
-    found = {name: read_comparison(path) for name, path in files.items() if not only or name in only}
-    return dict(sorted(found.items(), key=lambda item: item[1].cost))
+    chosen = {name: read_comparison(path) for name, path in files.items() if not only or name in only}
+    return dict(sorted(chosen.items(), key=lambda item: item[1].cost))
 
 
 def code_of(name: str, reference: Path) -> Code:
@@ -55,16 +55,16 @@ def code_of(name: str, reference: Path) -> Code:
         raise InputError(f"--code {name}: must be {', '.join(CODES)} or MODULE:CLASS: {problem}") from None
 
 
-def verdicts(asked: argparse.Namespace, found: dict[str, ComparisonFile]) -> Iterator[Verdict]:
+def verdicts(asked: argparse.Namespace, chosen: dict[str, ComparisonFile]) -> Iterator[Verdict]:
     """Of all comparisons as they come in; in one process in their order."""
     if asked.jobs == 1:
         code = code_of(asked.code, asked.reference)
-        for name, comparison in found.items():
+        for name, comparison in chosen.items():
             yield run_comparison(name, comparison, code, asked.short)
         return
     with Pool(asked.jobs, signal, (SIGINT, SIG_IGN)) as pool:
         ask = partial(in_process, asked.code, asked.reference, asked.short)
-        yield from pool.imap_unordered(ask, reversed(found))  # the dear ones first
+        yield from pool.imap_unordered(ask, reversed(chosen))  # the dear ones first
 
 
 def in_process(code: str, reference: Path, short: bool, name: str) -> Verdict:
@@ -72,7 +72,7 @@ def in_process(code: str, reference: Path, short: bool, name: str) -> Verdict:
     return run_comparison(name, comparisons([name])[name], code_of(code, reference), short)
 
 
-def words(verdict: Verdict, comparison: ComparisonFile) -> str:
+def lines_about(verdict: Verdict, comparison: ComparisonFile) -> str:
     """Lines about a verdict: one, and one for each quantity beyond its tolerance."""
     count = max((o.cases for o in verdict.outcomes), default=0)
     lines = [
@@ -99,15 +99,19 @@ def write(path: Path, done: Sequence[Verdict]) -> None:
 
 def run(asked: argparse.Namespace) -> int:
     """Run them, print a line each; 0 if all that are offered are green."""
-    found = comparisons(asked.only)
+    chosen = comparisons(asked.only)
     low, high = asked.cost
-    found = {name: own for name, own in found.items() if low < own.cost <= high and (own.short or not asked.short)}
+    chosen = {
+        name: comparison
+        for name, comparison in chosen.items()
+        if low < comparison.cost <= high and (comparison.short or not asked.short)
+    }
     done: list[Verdict] = []
     began, interrupted = time.perf_counter(), False
     try:
-        for verdict in verdicts(asked, found):
+        for verdict in verdicts(asked, chosen):
             done.append(verdict)
-            print(words(verdict, found[verdict.comparison]), flush=True)
+            print(lines_about(verdict, chosen[verdict.comparison]), flush=True)
             if asked.first_red and verdict.word == "red":
                 break
     except KeyboardInterrupt:
@@ -115,7 +119,7 @@ def run(asked: argparse.Namespace) -> int:
         print("interrupted; so far:")
     counts = {word: sum(v.word == word for v in done) for word in ("green", "red", "not offered")}
     told = ", ".join(f"{count} {word}" for word, count in counts.items())
-    print(f"{told}, {len(found) - len(done)} not run; {time.perf_counter() - began:.0f} s")
+    print(f"{told}, {len(chosen) - len(done)} not run; {time.perf_counter() - began:.0f} s")
     whole = len(done) == len(comparisons()) and not asked.short and asked.code == "wrsim"
     if asked.output:
         write(asked.output, done)

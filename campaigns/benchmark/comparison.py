@@ -161,11 +161,11 @@ class Verdict:
 def read_comparison(path: Path) -> ComparisonFile:
     """A comparison by its file. Raises InputError that names file, line and key."""
     data, locate = opened(path, "comparison")
-    own = check_section(ComparisonFile, data, locate)
+    comparison = check_section(ComparisonFile, data, locate)
     known = references()
-    if own.beside not in known:
-        raise InputError(f"{locate(('beside',))}: beside = {own.beside!r}: must be one of {', '.join(known)}")
-    return own
+    if comparison.beside not in known:
+        raise InputError(f"{locate(('beside',))}: beside = {comparison.beside!r}: must be one of {', '.join(known)}")
+    return comparison
 
 
 @cache
@@ -179,11 +179,11 @@ def run_comparison(name: str, comparison: ComparisonFile, code: Code, short: boo
     began = time.perf_counter()
     rows = comparison.cases.read(code.reference, name, short)
     ask = getattr(code, comparison.function)
-    given, problems = comparison.given, list[str]()
+    constants, problems = comparison.given, list[str]()
 
     def answer(**arguments: Any) -> Answer:
         try:
-            return ask(**arguments | given)
+            return ask(**arguments | constants)
         except (InputError, SimulationError, ArithmeticError, ValueError, IndexError) as problem:
             problems.append(str(problem).splitlines()[0])
             return None
@@ -196,8 +196,8 @@ def run_comparison(name: str, comparison: ComparisonFile, code: Code, short: boo
             answers = [answer(**{key: row[column] for key, column in comparison.inputs.items()}) for row in rows]
     except NotImplementedError:
         return Verdict(name, (), time.perf_counter() - began)
-    found = tuple(_outcome(name, quantity, rows, answers) for quantity in comparison.quantities)
-    return Verdict(name, found, time.perf_counter() - began, next(iter(problems), ""))
+    outcomes = tuple(_outcome(name, quantity, rows, answers) for quantity in comparison.quantities)
+    return Verdict(name, outcomes, time.perf_counter() - began, next(iter(problems), ""))
 
 
 def _outcome(name: str, quantity: QuantitySection, rows: Sequence[Row], answers: Sequence[Answer]) -> Outcome:

@@ -35,11 +35,11 @@ class HertzFastsim(Code):
         with (self.reference / "kalker.csv").open() as file:
             rows = np.array([[float(x) for x in row] for row in list(csv.reader(file))[1:]])
         inverse = []
-        for one in (0.0, 0.25, 0.5):
-            own = rows[np.isclose(rows[:, 1], one)]
-            own = own[np.argsort(own[:, 0])]
+        for tabulated_nu in (0.0, 0.25, 0.5):
+            rows_of_nu = rows[np.isclose(rows[:, 1], tabulated_nu)]
+            rows_of_nu = rows_of_nu[np.argsort(rows_of_nu[:, 0])]
             small = min(a_over_b, 1.0 / a_over_b)  # linear in the smaller ratio
-            side = own[own[:, 0] <= 1.0] if a_over_b <= 1.0 else own[own[:, 0] >= 1.0][::-1]
+            side = rows_of_nu[rows_of_nu[:, 0] <= 1.0] if a_over_b <= 1.0 else rows_of_nu[rows_of_nu[:, 0] >= 1.0][::-1]
             ratio = np.minimum(side[:, 0], 1.0 / side[:, 0])
             inverse.append([1.0 / np.interp(small, ratio, side[:, c]) for c in (2, 3, 4)])
         weights = (nu - 0.25) * (nu - 0.5) / 0.125, -nu * (nu - 0.5) / 0.0625, nu * (nu - 0.25) / 0.125

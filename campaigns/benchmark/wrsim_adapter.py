@@ -98,11 +98,11 @@ class Wrsim(Code):
         steel = Material(2.0e9 * G_GPa * (1.0 + nu), nu)
         settings = ContactSettings(normal=model or "strips", tangential="none", damping=0.0, wheel=steel, rail=steel)
         wheel, rail = cone("cylinder", "wheel", 0.0, -0.05, 0.05), circle("crown", "rail", 1.0 / across_per_m, 0.04)
-        own = contact_model(wheel, rail, 1.0 / along_per_m, settings)
+        contact = contact_model(wheel, rail, 1.0 / along_per_m, settings)
         pose = np.zeros(12)
-        pose[2], pose[4] = own.radius + 1e-3, 1.0
-        found = own.solve_many([pose], load_N, threads=1)
-        p0, approach, area = (float(values[0, 0]) for values in (found.p0, found.approach, found.area))
+        pose[2], pose[4] = contact.radius + 1e-3, 1.0
+        loaded = contact.solve_many([pose], load_N, threads=1)
+        p0, approach, area = (float(values[0, 0]) for values in (loaded.p0, loaded.approach, loaded.area))
         return {"p0_MPa": 1e-6 * p0, "approach_mm": 1e3 * approach, "area_mm2": 1e6 * area}
 
     def pose(self, *, wheel: str, rail: str, inclination: str, y_mm: float, roll_rad: float, yaw_rad: float,
@@ -130,8 +130,8 @@ class Wrsim(Code):
         place = Place(across, rail, (HALF_SPACING, 0.0), 1e-3 * rolling_radius_mm, rolling)
         steel = Material(2.0e9 * G_GPa * 1.28, 0.28)
         chosen = TURNED if turned else STRIPS
-        own = replace(chosen, settings=replace(chosen.settings, wheel=steel, rail=steel))
-        answer = solve(own, place, Pose("", 1e-3 * y_mm, 0.0, load_N), pitch_rad_per_s, repeats=0)
+        model_of_steel = replace(chosen, settings=replace(chosen.settings, wheel=steel, rail=steel))
+        answer = solve(model_of_steel, place, Pose("", 1e-3 * y_mm, 0.0, load_N), pitch_rad_per_s, repeats=0)
         if answer is None:
             return None
         angles, region = np.degrees(answer.angles), answer.regions[0]
@@ -173,8 +173,8 @@ class Wrsim(Code):
         sunk = brentq(lambda z: float(lowered(z).force[2]) - load_N, -2e-3, 2e-3, xtol=1e-9)
         outward = 1e-3 * near_mm - HALF_SPACING
         patch = min(lowered(sunk).patches, key=lambda p: abs(p["o"] - outward))
-        own = {"N_N": patch["N"], "p0_MPa": 1e-6 * patch["p0"], "x_mm": 1e3 * patch["x"]}
-        return own | {"z_mm": 1e3 * sunk, "y_mm": 1e3 * (patch["o"] + HALF_SPACING)}
+        figures = {"N_N": patch["N"], "p0_MPa": 1e-6 * patch["p0"], "x_mm": 1e3 * patch["x"]}
+        return figures | {"z_mm": 1e3 * sunk, "y_mm": 1e3 * (patch["o"] + HALF_SPACING)}
 
     def kalker(self, *, a_over_b: float, nu: float):
         return dict(zip(("C11", "C22", "C23"), kalker_coefficients(creep_coefficients(nu), a_over_b), strict=True))
@@ -201,15 +201,15 @@ class Wrsim(Code):
         return {"X_N": force[0]}
 
     def profile(self, *, kind: str, name: str, across_mm: Sequence[float]):
-        own = load_profile(f"{kind}/{name}.toml")
-        return {"down_mm": [-1e3 * float(own.at(own.arclength_of(1e-3 * y))[1]) for y in across_mm]}
+        shape = load_profile(f"{kind}/{name}.toml")
+        return {"down_mm": [-1e3 * float(shape.at(shape.arclength_of(1e-3 * y))[1]) for y in across_mm]}
 
     def conicity(self, *, amplitude_mm: Sequence[float], right_radius_mm: float):
         wheel, rail = (load_profile(ROOT / f"tests/data/en15302_{kind}_A.csv", kind) for kind in ("wheel", "rail"))
         wheels = Wheel(wheel, 0.46), Wheel(wheel, 1e-3 * right_radius_mm)
         plan = ConicityPlan(tuple(1e-3 * a for a in amplitude_mm), "none")
-        found = wheelset_conicity(Wheelset("w", 1.0, (1.0,) * 3, 1.5, *wheels), (rail, rail), 1.43516, plan, "A on A")
-        return {"tan_gamma_e": found.wheelset()["equivalent_conicity"].values}
+        result = wheelset_conicity(Wheelset("w", 1.0, (1.0,) * 3, 1.5, *wheels), (rail, rail), 1.43516, plan, "A on A")
+        return {"tan_gamma_e": result.wheelset()["equivalent_conicity"].values}
 
     def wheelset_mode(self, *, speed_m_per_s: float, near_rad_per_s: float):
         law = KnifeEdge()
@@ -221,8 +221,8 @@ class Wrsim(Code):
 
     def critical_speed(self, *, vehicle: str):
         linear = {"stability.nonlinear": False, "stability.speed_kmh": [180, 240, 260]}
-        found = run(load(SCENARIOS / f"stability_{vehicle}.toml").with_values(linear)).dataset.attrs
-        return {"speed_m_per_s": found["critical_speed_m_s"], "frequency_Hz": found["critical_frequency_Hz"]}
+        attributes = run(load(SCENARIOS / f"stability_{vehicle}.toml").with_values(linear)).dataset.attrs
+        return {"speed_m_per_s": attributes["critical_speed_m_s"], "frequency_Hz": attributes["critical_frequency_Hz"]}
 
     def wheel_load(self, *, vehicle: str):
         with TemporaryDirectory() as folder:
@@ -232,13 +232,13 @@ class Wrsim(Code):
     def steady_curve(self, *, line: str):
         with TemporaryDirectory() as folder:
             sample = run(gz18.steady(self.reference, Path(folder), line)).dataset.isel(pose=0, wheelset=0)
-        found = {"lateral_mm": 1e3 * sample["lateral_shift"].item(), "yaw_mrad": 1e3 * sample["yaw"].item()}
+        figures = {"lateral_mm": 1e3 * sample["lateral_shift"].item(), "yaw_mrad": 1e3 * sample["yaw"].item()}
         for wheel, name in enumerate(("outer", "inner")):
-            one = sample.isel(wheel=wheel)
-            angle = one["contact_angle"].values[np.nanargmax(one["N"].values)]
-            c, s, x, y, q = np.cos(angle), np.sin(angle), *(1e-3 * one[key].item() for key in "XYQ")
-            found |= {f"{name}_N_kN": q * c + y * s, f"{name}_Tx_kN": -x, f"{name}_Ty_kN": y * c - q * s}
-        return found
+            wheel_sample = sample.isel(wheel=wheel)
+            angle = wheel_sample["contact_angle"].values[np.nanargmax(wheel_sample["N"].values)]
+            c, s, x, y, q = np.cos(angle), np.sin(angle), *(1e-3 * wheel_sample[key].item() for key in "XYQ")
+            figures |= {f"{name}_N_kN": q * c + y * s, f"{name}_Tx_kN": -x, f"{name}_Ty_kN": y * c - q * s}
+        return figures
 
     def momentum(self, *, seed: int):
         first, inertia = manchester().wheelsets[0], 3.0
@@ -257,10 +257,10 @@ class Wrsim(Code):
 
     def friction_loop(self, *, kind: str, amplitude_mm: float):
         travel = {"rubber-spring": 4.0, "leaf-spring": 3.0}[kind]
-        own = element(kind, stiffness_kN_per_m=200.0, friction_force_kN=3.0, friction_travel_mm=travel)
+        rubber_or_leaf = element(kind, stiffness_kN_per_m=200.0, friction_force_kN=3.0, friction_travel_mm=travel)
         rubber = kind == "rubber-spring"  # forgets its first strokes slowly
         loops, steps = (12, 200) if rubber else (3, 400)
-        x, force = last_loop(on_springs(box(FIXED, own)), 1e-3 * amplitude_mm, loops, steps)
+        x, force = last_loop(on_springs(box(FIXED, rubber_or_leaf)), 1e-3 * amplitude_mm, loops, steps)
         return {"force_kN": 1e-3 * force.max(), "area_J": float(np.trapezoid(force, x))}
 
     def side_wind(self, *, force_kN: float):
@@ -276,8 +276,8 @@ class Wrsim(Code):
             wheel.write_text(WHEEL.format(flange_angle_deg, flange_length_mm, 9.5), encoding="utf-8")
             values = {"vehicle.wheel": str(wheel), "climb.angle_of_attack_mrad": [attack_mrad]}
             values |= {"climb.Y_over_Q": [1.99], "climb.longest_m": 40.0}
-            found = run(load(SCENARIOS / "climb.toml").with_values(values)).dataset
-        return {"distance_m": found["climb_distance"].item()}
+            climbs = run(load(SCENARIOS / "climb.toml").with_values(values)).dataset
+        return {"distance_m": climbs["climb_distance"].item()}
 
     def overturning(self, *, speed_km_per_h: float):
         setup = build(load(SCENARIOS / "overturning.toml").with_values({"overturning.run": True}))
@@ -294,15 +294,15 @@ class Wrsim(Code):
         if track == "sleepers":
             # the source's shear stiffness is 2.06 % above its shear coefficient of 0.393: its closed form shows it
             rail = RailBeam(shear_vertical=1.0206 * 0.393)
-            own = SleeperTrack(rail, Layer((50e6, 300e6), loss_factor=0.25), ground, sleeper_mass=324.0)
-            found = own.receptance(frequency, 72.0)
+            sleeper_track = SleeperTrack(rail, Layer((50e6, 300e6), loss_factor=0.25), ground, sleeper_mass=324.0)
+            receptance = sleeper_track.receptance(frequency, 72.0)
         else:
             spacing = 0.05
             pads = Layer((300e6 * spacing,) * 2, (30e3 * spacing,) * 2)
             rail = RailBeam(shear_vertical=None, shear_lateral=None)
-            own = SleeperTrack(rail, pads, pads, None, spacing=spacing, sleeper_width=0.01)
-            found = own.receptance(frequency, 45.0, bays=1800, elements=1)
-        return {"v_m_per_s_per_N": 2.0 * np.pi * frequency * np.abs(found)}
+            sleeper_track = SleeperTrack(rail, pads, pads, None, spacing=spacing, sleeper_width=0.01)
+            receptance = sleeper_track.receptance(frequency, 45.0, bays=1800, elements=1)
+        return {"v_m_per_s_per_N": 2.0 * np.pi * frequency * np.abs(receptance)}
 
     def rail_in_time(self, *, frequency_Hz: float):
         rails = standing(replace(TRACK, elements=12), 60.0)
@@ -334,9 +334,9 @@ class Wrsim(Code):
 
     def bridge(self, *, speed_km_per_h: float):
         values = {"contact.normal": "kik-piotrowski", "run.distance_m": 62.0, "vehicle.speed_kmh": speed_km_per_h}
-        found = run(load(SCENARIOS / "bridge.toml").with_values(values)).dataset
+        dataset = run(load(SCENARIOS / "bridge.toml").with_values(values)).dataset
         largest = {
-            name: float(np.abs(found[f"deck_{name}"]).max()) for name in ("deflection", "moment", "acceleration")
+            name: float(np.abs(dataset[f"deck_{name}"]).max()) for name in ("deflection", "moment", "acceleration")
         }
         return {
             "deflection_mm": 1e3 * largest["deflection"], "moment_kNm": 1e-3 * largest["moment"],

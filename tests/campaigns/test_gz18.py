@@ -29,11 +29,11 @@ CONTACTS = {  # outer wheel, inner wheel: N, force on the wheel forward, outward
 }
 
 
-def close(line: str, wheel: int, found: tuple[float, float, float]) -> None:
+def close(line: str, wheel: int, forces: tuple[float, float, float]) -> None:
     """The forces of a contact [kN] are theirs."""
     expected = CONTACTS[line][wheel]
-    assert found[0] == pytest.approx(expected[0], rel=N)
-    assert np.subtract(found[1:], expected[1:]) == pytest.approx(np.zeros(2), abs=0.05 * MU * expected[0])
+    assert forces[0] == pytest.approx(expected[0], rel=N)
+    assert np.subtract(forces[1:], expected[1:]) == pytest.approx(np.zeros(2), abs=0.05 * MU * expected[0])
 
 
 @pytest.mark.campaign
@@ -44,11 +44,11 @@ def test_the_leading_wheelset_stands_in_a_curve_as_in_other_codes(line, normal, 
     sample = run(gz18.steady(reference, tmp_path, line, {"contact.normal": normal})).dataset.isel(pose=0, wheelset=0)
     assert 1e3 * sample["yaw"].item() == pytest.approx(YAW[line], abs=MRAD)
     for wheel in range(2):
-        one = sample.isel(wheel=wheel)
-        angle = one["contact_angle"].values[np.nanargmax(one["N"].values)]
+        wheel_sample = sample.isel(wheel=wheel)
+        angle = wheel_sample["contact_angle"].values[np.nanargmax(wheel_sample["N"].values)]
         c, s = np.cos(angle), np.sin(angle)
-        y, q = (one[name].item() / 1e3 for name in "YQ")
-        close(line, wheel, (q * c + y * s, -one["X"].item() / 1e3, y * c - q * s))
+        y, q = (wheel_sample[name].item() / 1e3 for name in "YQ")
+        close(line, wheel, (q * c + y * s, -wheel_sample["X"].item() / 1e3, y * c - q * s))
     if line == "r300":  # in r600 their contact law stands it elsewhere: the next test
         assert 1e3 * sample["lateral_shift"].item() == pytest.approx(LATERAL[line], abs=MM)
 
@@ -60,11 +60,11 @@ def test_where_the_wider_curve_stands_apart_the_contact_law_is_why(reference, tm
     setup = build(gz18.steady(reference, tmp_path, "r600", {"contact.cells": 8}))
     ours = steady_in_curve(setup, setup.plan.points[0])
     before = 1e3 * theirs.pose_of(ours.law, ours, 0).lateral[0]
-    law, found = theirs.their_steady_motion(ours)
-    pose = theirs.pose_of(law, found, 0)
+    law, equilibrium = theirs.their_steady_motion(ours)
+    pose = theirs.pose_of(law, equilibrium, 0)
     assert 1e3 * pose.lateral[0] == pytest.approx(LATERAL["r600"], abs=MM)
     assert 1e3 * pose.yaw[0] == pytest.approx(YAW["r600"], abs=MRAD)
-    for wheel, c in enumerate(law.found[0]):
+    for wheel, c in enumerate(law.contacts[0]):
         close("r600", wheel, (c.normal / 1e3, c.fx / 1e3, -c.fy / 1e3))
     assert abs(before - LATERAL["r600"]) > 2.0 * abs(1e3 * pose.lateral[0] - LATERAL["r600"])
 
@@ -76,8 +76,8 @@ def test_their_contact_law_is_read_as_the_source_has_it(reference, tmp_path):
     setup = build(gz18.steady(reference, tmp_path))
     wheel = setup.vehicle.wheelsets[0].wheelset.left
     pose = np.array([0.0, 0.7465 - setup.track.rail_origins[0][0], 0.42 - 0.0003055705525365684])
-    at = np.concatenate([pose, [0.0, 1.0, 0.0], np.zeros(6)])  # at rest
-    contact, wrench = theirs.contact(at, wheel.profile, setup.rails[0], wheel.radius, 10.0)
+    pose_at_rest = np.concatenate([pose, [0.0, 1.0, 0.0], np.zeros(6)])  # at rest
+    contact, wrench = theirs.contact(pose_at_rest, wheel.profile, setup.rails[0], wheel.radius, 10.0)
     assert wrench[2] == pytest.approx(68295.994, rel=0.005)
     height = theirs.sections(wheel.profile, setup.rails[0])[-1](contact.across)
     assert pose[2] - height == pytest.approx(0.42024171, abs=1e-6)

@@ -62,12 +62,12 @@ def refusal(path: Path) -> str:
     return message
 
 
-@pytest.mark.parametrize(("change", "words"), table("an_odd_header_of_a_run_file_is_refused_by_name"))
-def test_an_odd_header_of_a_run_file_is_refused_by_name(change, words, run_files, tmp_path):
+@pytest.mark.parametrize(("change", "message"), table("an_odd_header_of_a_run_file_is_refused_by_name"))
+def test_an_odd_header_of_a_run_file_is_refused_by_name(change, message, run_files, tmp_path):
     (header, nothing), *rest = crafted.records(run_files[1])
     path = tmp_path / "result.nc.part"
     path.write_bytes(crafted.run_file([(json.dumps(json.loads(header) | change).encode(), nothing), *rest]))
-    assert words in refusal(path)
+    assert message in refusal(path)
 
 
 @pytest.mark.parametrize("header", [b"", b"[]", b"\xff", b"[" * 100000, b"{}"])
@@ -78,18 +78,18 @@ def test_a_header_that_is_no_table_is_refused(header: bytes, run_files: tuple[Pa
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
+    ("change", "message"),
     [
         ({"rows": 2**40}, "numbers has the head"),
         ({"step": 2**62}, "a record that no run writes"),
         ({"step": None}, "numbers has the head"),
     ],
 )
-def test_samples_that_a_record_declares_and_does_not_hold_are_refused(change, words, run_files, tmp_path):
+def test_samples_that_a_record_declares_and_does_not_hold_are_refused(change, message, run_files, tmp_path):
     header, (about, numbers), *rest = crafted.records(run_files[1])
     path = tmp_path / "result.nc.part"
     path.write_bytes(crafted.run_file([header, (json.dumps(json.loads(about) | change).encode(), numbers), *rest]))
-    assert words in refusal(path)
+    assert message in refusal(path)
 
 
 def test_a_record_with_numbers_that_no_run_leaves_is_refused(run_files: tuple[Path, bytes], tmp_path: Path) -> None:
@@ -115,13 +115,13 @@ def test_zeros_without_end_in_a_small_file_are_refused_with_their_number(tmp_pat
 
 def test_crafted_files_get_one_line_or_numbers_from_commands(tmp_path: Path, run_files: tuple[Path, bytes]) -> None:
     rng, content = random.Random(4), run_files[0].read_bytes()
-    for i, words in enumerate(corrupted.COMMANDS[name] for name in ("show", "diff", "resolve")):
+    for i, command in enumerate(corrupted.COMMANDS[name] for name in ("show", "diff", "resolve")):
         path = tmp_path / f"{i}.nc"
         path.write_bytes(crafted.numbers(content, rng))
         places = {"FILE": str(path), "WHOLE": str(run_files[0])}
-        filled = [places.get(word, word.replace("OUT", str(tmp_path / "out_of_it"))) for word in words]
+        filled = [places.get(word, word.replace("OUT", str(tmp_path / "out_of_it"))) for word in command]
         answer = corrupted.answer_of(filled, path)
-        assert answer in corrupted.GOOD, (words, answer)
+        assert answer in corrupted.GOOD, (command, answer)
 
 
 def test_a_result_does_not_depend_on_how_many_samples_are_evaluated_at_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -55,21 +55,21 @@ def test_what_a_code_does_not_have_is_not_offered_and_no_solution_is_red():
     assert run_comparison("grooves", comparison, Lost(REFERENCE)).word == "red"
 
 
-@pytest.mark.parametrize(("old", "new", "words"), table("a_comparison_that_cannot_be_is_refused_with_file_and_line"))
-def test_a_comparison_that_cannot_be_is_refused_with_file_and_line(tmp_path: Path, old, new, words):
+@pytest.mark.parametrize(("old", "new", "expected"), table("a_comparison_that_cannot_be_is_refused_with_file_and_line"))
+def test_a_comparison_that_cannot_be_is_refused_with_file_and_line(tmp_path: Path, old, new, expected):
     text = (ROOT / "campaigns/benchmark/comparisons/hertz.toml").read_text()
     path = tmp_path / "own.toml"
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError) as problem:
         read_comparison(path)
     message = str(problem.value)
-    assert words in message and message.startswith(f"{path}:") and "\n" not in message
+    assert expected in message and message.startswith(f"{path}:") and "\n" not in message
 
 
 def test_every_comparison_gives_the_arguments_of_its_function():
     for name, comparison in comparisons().items():
         taken = signature(getattr(Code, comparison.function)).parameters
-        needed = {key for key, own in taken.items() if own.default is own.empty} - {"self"}
+        needed = {key for key, parameter in taken.items() if parameter.default is parameter.empty} - {"self"}
         assert needed <= comparison.inputs.keys() | comparison.given.keys() <= taken.keys(), name
 
 
