@@ -244,11 +244,11 @@ SHARED = {"as_json", "quiet", "force", "models", "pictures"}
 def markdown(section: type[Section], level: str = "###") -> list[str]:
     """Heading, purpose and keys of one table."""
     lines = [f"{level} {heading(section)}", "", *purpose(section), ""]
-    own = entries(section)
-    if own:
+    rows = entries(section)
+    if rows:
         heads = ("key", "what it is", "default", "also understood as")
         lines += [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
-        for e in own:
+        for e in rows:
             example = f" *Example:* {_code(e.example)}" if e.example and e.example != e.default else ""
             cells = [
                 f"`{e.key}`" + (f" [{e.unit}]" if e.unit else "") + "".join(f", `{key}`" for key in e.us),
@@ -273,8 +273,8 @@ def commands() -> str:
     shared = {p.name: _option(p) for command in members.values() for p in command.params if p.name in SHARED}
     lines = [COMMANDS.format(shared="\n".join(shared.values()))]
     for name, command in members.items():
-        words = [_plain(p.metavar or p.name) for p in command.params if p.param_type_name == "argument"]
-        lines += [f"## {name}", "", f"`{' '.join(['wrsim', name, *words])}`", "", _plain(command.help), ""]
+        arguments = [_plain(p.metavar or p.name) for p in command.params if p.param_type_name == "argument"]
+        lines += [f"## {name}", "", f"`{' '.join(['wrsim', name, *arguments])}`", "", _plain(command.help), ""]
         rows = [_option(p) for p in command.params if p.name not in SHARED]
         if rows:
             lines += ["| argument, option | meaning | default |", "|---|---|---|", *rows, ""]
@@ -344,19 +344,19 @@ def spectra() -> str:
     )
 
 
-def _meanings(head: str, words: Iterable[str], meanings: Mapping[str, str], of: str = "meaning") -> str:
+def _meanings(head: str, codes: Iterable[str], meanings: Mapping[str, str], of: str = "meaning") -> str:
     """Table of words of the code. Raises ValueError where a word has no meaning, or a meaning no word."""
-    if wrong := set(words) ^ set(meanings):
+    if wrong := set(codes) ^ set(meanings):
         raise ValueError(f"{head}: {sorted(wrong)} are words of the code or of this page alone")
-    rows = (f"| {f'`{word}`' if word else 'empty'} | {meanings[word]} |\n" for word in words)
+    rows = (f"| {f'`{word}`' if word else 'empty'} | {meanings[word]} |\n" for word in codes)
     return f"| {head} | {of} |\n|---|---|\n{''.join(rows)}"
 
 
 def scenarios() -> str:
     """The page of shipped scenarios, studies and services."""
     folder = HERE.parent / "scenarios"
-    found = sorted(folder.rglob("*.toml"), key=lambda path: (path.parent != folder, path))
-    titled = [(path, tomllib.loads(path.read_text(encoding="utf-8")).get("title")) for path in found]
+    files = sorted(folder.rglob("*.toml"), key=lambda path: (path.parent != folder, path))
+    titled = [(path, tomllib.loads(path.read_text(encoding="utf-8")).get("title")) for path in files]
     return SCENARIOS + "".join(f"| `{p.relative_to(folder)}` | {title} |\n" for p, title in titled if title)
 
 
@@ -369,12 +369,12 @@ def keys() -> str:
     """The page of keys: the tables of every kind of file, each where it comes first."""
     lines = [HEAD]
     shown: set[type] = set()
-    for name, (words, *_) in FILES.items():
-        lines += [f"## {words[0].upper()}{words[1:]}", ""]
+    for name, (title, *_) in FILES.items():
+        lines += [f"## {title[0].upper()}{title[1:]}", ""]
         for table in tables_of_file(name):
             if table not in shown:
-                own = markdown(table)
-                lines += own[2:] if table.header == words else own  # the file itself has its heading
+                table_lines = markdown(table)
+                lines += table_lines[2:] if table.header == title else table_lines  # the file itself has its heading
             shown.add(table)
     return "\n".join(lines).rstrip() + "\n"
 

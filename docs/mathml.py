@@ -20,13 +20,13 @@ RANGES = (0x41, 0x1D400, 0x1D468), (0x61, 0x1D41A, 0x1D482), (0x391, 0x1D6A8, 0x
 """First letter of an alphabet, latin and Greek: plain, bold, bold italic."""
 
 
-def letter(found: re.Match[str]) -> str:
+def letter(match: re.Match[str]) -> str:
     """The bold letter by its own code point."""
-    code = int(found[2], 16) if found[2] else ord(found[3])
+    code = int(match[2], 16) if match[2] else ord(match[3])
     for first, upright, italic in RANGES:
         if first <= code < first + 26:
-            return f"<mi>{chr(code - first + (italic if found[1] else upright))}</mi>"
-    return found[0]
+            return f"<mi>{chr(code - first + (italic if match[1] else upright))}</mi>"
+    return match[0]
 
 
 SPACES = (
@@ -46,10 +46,10 @@ SPACES = (
 def converted(text: str, display: str) -> str:
     """MathML of a formula; a fault in it names the formula."""
     try:
-        found = BOLD.sub(letter, str(convert(text.replace("{aligned}", "{align*}"), display=display)))
-        for pattern, other in SPACES:
-            found = re.sub(pattern, other, found)
-        return found
+        formula = BOLD.sub(letter, str(convert(text.replace("{aligned}", "{align*}"), display=display)))
+        for pattern, replacement in SPACES:
+            formula = re.sub(pattern, replacement, formula)
+        return formula
     except Exception as problem:
         raise ValueError(f"not a formula: {text!r}: {problem!r}") from problem
 

@@ -71,9 +71,9 @@ FINE = {"run.distance_m": 0.2, "output.patches_at_m": []}
 def lines(page: Path) -> list[str]:
     """Command lines of a page, in fenced and in indented examples; explanations behind two blanks are no part."""
     text = page.read_text(encoding="utf-8")
-    found = [line for block in re.findall(r"^```sh\n(.*?)^```", text, re.M | re.S) for line in block.splitlines()]
-    found += re.findall(r"^ {4}(wrsim .*)$", text, re.M)
-    plain = [re.split(r"\s{2,}", line)[0] for line in found]
+    commands = [line for block in re.findall(r"^```sh\n(.*?)^```", text, re.M | re.S) for line in block.splitlines()]
+    commands += re.findall(r"^ {4}(wrsim .*)$", text, re.M)
+    plain = [re.split(r"\s{2,}", line)[0] for line in commands]
     return [line for line in plain if line.split(" ")[0] in ("wrsim", "cp", "mkdir") and not LEFT_OUT.search(line)]
 
 
@@ -89,9 +89,9 @@ def alike(written: str, printed: str) -> bool:
     """Whether two outputs differ in nothing but the last digits of numbers: 1 %, or two units of the last digit."""
     if re.sub(r" +|-{3,}", " ", NUMBER.sub("#", written)) != re.sub(r" +|-{3,}", " ", NUMBER.sub("#", printed)):
         return False
-    for one, other in zip(NUMBER.findall(written), NUMBER.findall(printed), strict=True):
-        unit = 10.0 ** -len(one.partition("e")[0].partition(".")[2])
-        if abs(float(one) - float(other)) > max(0.01 * abs(float(one)), 2.0 * unit * ("." in one)):
+    for number, printed_number in zip(NUMBER.findall(written), NUMBER.findall(printed), strict=True):
+        unit = 10.0 ** -len(number.partition("e")[0].partition(".")[2])
+        if abs(float(number) - float(printed_number)) > max(0.01 * abs(float(number)), 2.0 * unit * ("." in number)):
             return False
     return True
 
@@ -103,34 +103,34 @@ def ends(text: str) -> str:
     return rise.sub(lambda m: f"{m[0].rpartition('step')[0]}step = {float(m[2]) - float(m[1]):g}", text)
 
 
-def shortened(words: list[str]) -> list[str]:
+def shortened(arguments: list[str]) -> list[str]:
     """The words of ``run FILE`` or ``compare`` with the short form of its scenario, of ``study`` with that of the
     study; searches run nothing."""
-    if words[0] in ("optimise", "calibrate"):
-        return [*words, "--dry-run"]
-    if words[0] == "fmu":  # a step is tried over the whole run, and zig makes the libraries of other systems first
-        others = words.index("--for") if "--for" in words else len(words)
-        return [*words[:others], *words[others + 2 :], "--for", this_target(), "--step-ms", "1"]
-    if words[0] == "live" and words[1] != "contact":
-        return [*words, "--step-ms", "1"]
-    if words[0] == "study":
-        short = Path(words[1]).with_stem(f"{Path(words[1]).stem}_short")
-        short.write_text(ends(Path(words[1]).read_text(encoding="utf-8")), encoding="utf-8")
-        return ["study", str(short), *words[2:]]
-    if words[0] not in ("run", "compare") or not Path(words[1]).is_file():
-        return words
-    scenario = load(words[1])
+    if arguments[0] in ("optimise", "calibrate"):
+        return [*arguments, "--dry-run"]
+    if arguments[0] == "fmu":  # a step is tried over the whole run, and zig makes the libraries of other systems first
+        option = arguments.index("--for") if "--for" in arguments else len(arguments)
+        return [*arguments[:option], *arguments[option + 2 :], "--for", this_target(), "--step-ms", "1"]
+    if arguments[0] == "live" and arguments[1] != "contact":
+        return [*arguments, "--step-ms", "1"]
+    if arguments[0] == "study":
+        short = Path(arguments[1]).with_stem(f"{Path(arguments[1]).stem}_short")
+        short.write_text(ends(Path(arguments[1]).read_text(encoding="utf-8")), encoding="utf-8")
+        return ["study", str(short), *arguments[2:]]
+    if arguments[0] not in ("run", "compare") or not Path(arguments[1]).is_file():
+        return arguments
+    scenario = load(arguments[1])
     values = dict(SHORT.get(scenario.analysis, {}))
     values |= FINE if scenario.analysis == "curving" and re.search(r"^step_us\b", scenario.text, re.M) else {}
-    values = {key: value for key, value in values.items() if not any(word.startswith(f"{key}=") for word in words)}
-    words = [*words, "--no-pictures"]
+    values = {key: value for key, value in values.items() if not any(word.startswith(f"{key}=") for word in arguments)}
+    arguments = [*arguments, "--no-pictures"]
     if re.search(r"^time_s\b", scenario.text, re.M) and values.pop("run.distance_m", None):
         values["run.time_s"] = 0.2  # one of both is allowed
-    if words[0] == "compare":  # has no --set
-        short = Path(words[1]).with_stem(f"{Path(words[1]).stem}_short")
+    if arguments[0] == "compare":  # has no --set
+        short = Path(arguments[1]).with_stem(f"{Path(arguments[1]).stem}_short")
         short.write_text(scenario.with_values(values).text, encoding="utf-8")
-        return ["compare", str(short), *words[2:]]
-    return [*words, *(word for key, value in values.items() for word in ("--set", f"{key}={str(value).lower()}"))]
+        return ["compare", str(short), *arguments[2:]]
+    return [*arguments, *(word for key, value in values.items() for word in ("--set", f"{key}={str(value).lower()}"))]
 
 
 def main(chosen: list[str]) -> int:
@@ -155,10 +155,10 @@ def uses_others(page: Path) -> bool:
     """Whether a page reads results that it does not make."""
     made = set[str]()
     for line in lines(page):
-        words = line.split()
-        if words[:2] == ["wrsim", "run"] and "-o" not in words:
-            made.add(f"results/{Path(words[2]).stem}")
-        made |= {words[k + 1] for k, word in enumerate(words[:-1]) if word == "-o"}
+        arguments = line.split()
+        if arguments[:2] == ["wrsim", "run"] and "-o" not in arguments:
+            made.add(f"results/{Path(arguments[2]).stem}")
+        made |= {arguments[k + 1] for k, word in enumerate(arguments[:-1]) if word == "-o"}
         if not made.issuperset(re.findall(r"results/\w+", line)):
             return True
     return False
@@ -181,8 +181,8 @@ def faults_of(pages: list[Path], short: bool, whole: bool = False, write: bool =
                 brief = LONG.search(line) and (short or page.stem not in FIRST)
                 as_is = whole or (not brief and (page.stem in FIRST or line in shown))
                 code, output = executed(line, Path(folder), as_is, page.stem in FIRST)
-                words = shlex.split(line)
-                good = code in EXPECTED.get(words[1], (0,)) if words[0] == "wrsim" else code == 0
+                arguments = shlex.split(line)
+                good = code in EXPECTED.get(arguments[1], (0,)) if arguments[0] == "wrsim" else code == 0
                 faults += not good
                 word = "ok" if good else f"exit code {code}"
                 print(f"{word:6} {time.perf_counter() - begin:5.1f} s  {page.stem}: {line}", flush=True)
@@ -196,13 +196,13 @@ def faults_of(pages: list[Path], short: bool, whole: bool = False, write: bool =
 def has_printed(page: Path, line: str, output: str, write: bool) -> bool:
     """Whether what a page has of the output of a line is what it prints; write: put it there."""
     text = page.read_text(encoding="utf-8")
-    for found in PRINTED.finditer(text):
-        if found[2] != line:
+    for match in PRINTED.finditer(text):
+        if match[2] != line:
             continue
-        printed = cut(output, found[3])
+        printed = cut(output, match[3])
         if write:
-            page.write_text(text.replace(found[0], found[1] + printed + found[5]), encoding="utf-8")
-        elif not alike(found[4], printed):
+            page.write_text(text.replace(match[0], match[1] + printed + match[5]), encoding="utf-8")
+        elif not alike(match[4], printed):
             print(f"the page {page.stem} has another output of: {line}\n{printed}")
             return False
     return True
@@ -214,15 +214,15 @@ def _place(page: Path) -> tuple[int, str]:
 
 def executed(line: str, folder: Path, as_is: bool, tutorial: bool = True) -> tuple[int, str]:
     """Exit code and output of a line in a folder; as_is: not in its short form. Studies of tutorials run in any."""
-    words = shlex.split(line)
-    if words[:2] == ["wrsim", "study"] and not (as_is or tutorial) and "--dry-run" not in words:
-        words.append("--dry-run")
-    if words[0] != "wrsim":
-        done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
+    arguments = shlex.split(line)
+    if arguments[:2] == ["wrsim", "study"] and not (as_is or tutorial) and "--dry-run" not in arguments:
+        arguments.append("--dry-run")
+    if arguments[0] != "wrsim":
+        done = subprocess.run(arguments, cwd=folder, capture_output=True, text=True, check=False)
         return done.returncode, done.stderr
     with contextlib.chdir(folder):
-        given = words[1:] if as_is else shortened(words[1:])
-        answer = CliRunner().invoke(app, given, env={"COLUMNS": "120"})
+        brief = arguments[1:] if as_is else shortened(arguments[1:])
+        answer = CliRunner().invoke(app, brief, env={"COLUMNS": "120"})
     return answer.exit_code, answer.output
 
 

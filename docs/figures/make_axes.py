@@ -37,18 +37,18 @@ def arrow(axes: Axes, start, end, colour=INK, width=1.0, style="-|>", **options)
     axes.add_patch(patch)
 
 
-def say(axes: Axes, at, words: str, colour=INK, **options) -> None:
+def say(axes: Axes, position, text: str, colour=INK, **options) -> None:
     """Text in data units."""
     axes.text(
-        *at, words, **({"color": colour, "fontsize": SIZE, "ha": "center", "va": "center", "zorder": 7} | options)
+        *position, text, **({"color": colour, "fontsize": SIZE, "ha": "center", "va": "center", "zorder": 7} | options)
     )
 
 
-def measure(axes: Axes, start, end, words: str, side=(0.0, 0.0), **options) -> None:
+def measure(axes: Axes, start, end, text: str, side=(0.0, 0.0), **options) -> None:
     """Dimension line with words at its middle, moved by ``side``."""
     arrow(axes, start, end, QUIET, 0.7, "<|-|>")
     middle = 0.5 * (np.asarray(start) + np.asarray(end)) + np.asarray(side)
-    say(axes, middle, words, QUIET, **options)
+    say(axes, middle, text, QUIET, **options)
 
 
 def turn(axes: Axes, centre, radius: float, first: float, last: float, colour=AXIS) -> None:
@@ -59,12 +59,18 @@ def turn(axes: Axes, centre, radius: float, first: float, last: float, colour=AX
     arrow(axes, (x[-3], y[-3]), (x[-1], y[-1]), colour, 0.9)
 
 
-def into_page(axes: Axes, at, radius: float, colour=AXIS) -> None:
+def into_page(axes: Axes, centre, radius: float, colour=AXIS) -> None:
     """A cross in a circle: an axis that points away from the reader."""
-    axes.add_patch(Circle(at, radius, facecolor="white", edgecolor=colour, linewidth=0.9, zorder=6))
+    axes.add_patch(Circle(centre, radius, facecolor="white", edgecolor=colour, linewidth=0.9, zorder=6))
     d = radius * np.sqrt(0.5)
     for s in (-1, 1):
-        axes.plot([at[0] - d, at[0] + d], [at[1] - s * d, at[1] + s * d], color=colour, linewidth=0.9, zorder=7)
+        axes.plot(
+            [centre[0] - d, centre[0] + d],
+            [centre[1] - s * d, centre[1] + s * d],
+            color=colour,
+            linewidth=0.9,
+            zorder=7,
+        )
 
 
 def panel(figure, left: float, top: float, width: float, height: float, title: str, reach) -> Axes:
@@ -131,10 +137,10 @@ def behind(figure, left, top, width, height) -> None:
         top = turned(RAIL, lean)
         crown = top[np.argmax(top[:, 1])]
         gauge = top[: len(top) // 2]
-        at = np.interp(crown[1] - 14.0, gauge[:, 1], gauge[:, 0])
-        a.plot([side * (centre + at)] * 2, [crown[1] - 14, -52], color=QUIET, linewidth=0.5, zorder=2)
-        a.plot(side * (centre + at), crown[1] - 14, "o", color=INK, markersize=2.2, zorder=8)
-        gauge_x = centre + at
+        gauge_point = np.interp(crown[1] - 14.0, gauge[:, 1], gauge[:, 0])
+        a.plot([side * (centre + gauge_point)] * 2, [crown[1] - 14, -52], color=QUIET, linewidth=0.5, zorder=2)
+        a.plot(side * (centre + gauge_point), crown[1] - 14, "o", color=INK, markersize=2.2, zorder=8)
+        gauge_x = centre + gauge_point
     for x in (-1, 1):  # axle with a cut
         body(a, np.array([[x * 98, 82], [x * 30, 82], [x * 26, 89], [x * 32, 96], [x * 98, 96]]), WHEEL_FILL)
     measure(a, (-gauge_x, -47), (gauge_x, -47), "gauge, 14 mm below the rail tops", (0, -6.5))
@@ -186,24 +192,29 @@ def above(figure, left, top, width, height) -> None:
     yaw = 9.0
     c, s = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
 
-    def at(u, v):
+    def on_page(u, v):
         """Wheelset axes (forward u, left v) to the page, shifted to the left by the lateral shift."""
         return np.array([-v * c - u * s, u * c - v * s]) + by(-0.09, 0.0)
 
     for v in (0.5, -0.5):
-        corners = [at(d, v + e) for d, e in ((-0.24, -0.05), (0.24, -0.05), (0.24, 0.05), (-0.24, 0.05))]
+        corners = [on_page(d, v + e) for d, e in ((-0.24, -0.05), (0.24, -0.05), (0.24, 0.05), (-0.24, 0.05))]
         body(a, np.array(corners), WHEEL_FILL)
-    body(a, np.array([at(-0.035, 0.62), at(0.035, 0.62), at(0.035, -0.62), at(-0.035, -0.62)]), WHEEL_FILL, zorder=2)
+    body(
+        a,
+        np.array([on_page(-0.035, 0.62), on_page(0.035, 0.62), on_page(0.035, -0.62), on_page(-0.035, -0.62)]),
+        WHEEL_FILL,
+        zorder=2,
+    )
     arrow(a, (0, 0), (0, 1.05), AXIS)
     say(a, (0.0, 1.16), "$t$", AXIS)
     arrow(a, (0, 0), (-0.95, 0), AXIS)
     say(a, (-1.05, 0.0), "$n$", AXIS)
-    arrow(a, at(0, 0), at(0.92, 0), INK)
-    say(a, at(1.0, 0.02), "$x$")
-    arrow(a, at(0, 0), at(0, 0.95), INK)
-    say(a, at(0, 1.04), "$y$")
+    arrow(a, on_page(0, 0), on_page(0.92, 0), INK)
+    say(a, on_page(1.0, 0.02), "$x$")
+    arrow(a, on_page(0, 0), on_page(0, 0.95), INK)
+    say(a, on_page(0, 1.04), "$y$")
     a.plot([-0.09, -0.09], [0, 0.8], color=FORCE, linewidth=0.5, linestyle=(0, (4, 2)), zorder=5)
-    turn(a, at(0, 0), 0.72, 90, 98.3, FORCE)
+    turn(a, on_page(0, 0), 0.72, 90, 98.3, FORCE)
     say(a, (-0.16, 0.84), r"$\psi$", FORCE)
     a.annotate(
         "yaw = angle of attack:\nturned to the left\nagainst the tangent $t$", (-0.17, 0.70), (1.06, 0.72), color=FORCE,
@@ -242,12 +253,12 @@ def rail_frame(figure, left, top, width, height) -> None:
     top = turned(RAIL, lean)
     crown = top[np.argmax(top[:, 1])]
     gauge = top[: len(top) // 2]
-    at = np.interp(crown[1] - 14.0, gauge[:, 1], gauge[:, 0])
-    a.plot(at, crown[1] - 14, "o", color=INK, markersize=2.6, zorder=8)
-    a.plot([at - 16, crown[0]], [crown[1]] * 2, color=QUIET, linewidth=0.5, zorder=5)
-    a.plot([at - 16, at], [crown[1] - 14] * 2, color=QUIET, linewidth=0.5, zorder=5)
-    measure(a, (at - 12, crown[1]), (at - 12, crown[1] - 14), "14 mm", (-15, 0))
-    say(a, (at - 22, crown[1] - 20), "gauge point", QUIET)
+    gauge_point = np.interp(crown[1] - 14.0, gauge[:, 1], gauge[:, 0])
+    a.plot(gauge_point, crown[1] - 14, "o", color=INK, markersize=2.6, zorder=8)
+    a.plot([gauge_point - 16, crown[0]], [crown[1]] * 2, color=QUIET, linewidth=0.5, zorder=5)
+    a.plot([gauge_point - 16, gauge_point], [crown[1] - 14] * 2, color=QUIET, linewidth=0.5, zorder=5)
+    measure(a, (gauge_point - 12, crown[1]), (gauge_point - 12, crown[1] - 14), "14 mm", (-15, 0))
+    say(a, (gauge_point - 22, crown[1] - 20), "gauge point", QUIET)
     say(a, (-11, -30), "gauge side\n$u<0$", QUIET)
     say(a, (25, -30), "field side\n$u>0$", QUIET)
     say(a, (50, 34), "$o$ is $n$ on the left\nand $-n$ on the right", AXIS, fontsize=7)

@@ -68,28 +68,30 @@ def steady_rows() -> Iterator[list[str]]:
     base = load(ROOT / CURVE)
     for topic, variants in CASES.items():
         for label, values in variants.items():
-            one = run(base.with_values(values) if values else base).dataset.isel(pose=0, wheelset=0)
+            sample = run(base.with_values(values) if values else base).dataset.isel(pose=0, wheelset=0)
             for name, channel, wheel, factor, unit in STEADY:
-                value = one[channel] if wheel is None else one[channel].sel(wheel=wheel)
+                value = sample[channel] if wheel is None else sample[channel].sel(wheel=wheel)
                 yield [topic, label, name, f"{factor * float(value):.5g}", unit]
             if topic == "contact":
-                xi = np.abs(one["xi"].values[np.isfinite(one["xi"].values)]).max()
+                xi = np.abs(sample["xi"].values[np.isfinite(sample["xi"].values)]).max()
                 yield [topic, label, "largest ξ", f"{1e3 * xi:.4g}", "‰"]
 
 
 def peaks(result: Result) -> dict[str, float]:
     """Largest Y and Q of the wheel on the outer rail, and |ΣY|, of the leading wheelset beyond 30 m [kN]."""
-    one = result.wheelset("front.outer")
-    smooth = filtered(one)
+    wheelset = result.wheelset("front.outer")
+    smooth = filtered(wheelset)
     assert smooth is not None
-    found = {}
-    for label, data in (("raw", one), ("below 20 Hz", smooth)):
+    largest = {}
+    for label, data in (("raw", wheelset), ("below 20 Hz", smooth)):
         late = data.isel(time=np.flatnonzero(data["distance"].values > 30.0))
         for name in ("Y", "Q"):
-            found[f"{name}, {label}"] = float(np.nanmax(late[name].sel(wheel="right"))) / 1e3
-    found["ΣY, raw"] = float(np.nanmax(np.abs(one["Y"].sel(wheel="left") - one["Y"].sel(wheel="right")))) / 1e3
-    found["ΣY, below 20 Hz, mean over 2 m"] = float(np.nanmax(np.abs(smooth["sum_Y"]))) / 1e3
-    return found
+            largest[f"{name}, {label}"] = float(np.nanmax(late[name].sel(wheel="right"))) / 1e3
+    largest["ΣY, raw"] = (
+        float(np.nanmax(np.abs(wheelset["Y"].sel(wheel="left") - wheelset["Y"].sel(wheel="right")))) / 1e3
+    )
+    largest["ΣY, below 20 Hz, mean over 2 m"] = float(np.nanmax(np.abs(smooth["sum_Y"]))) / 1e3
+    return largest
 
 
 def without_slope(result: Result, track: Track) -> tuple[list[dict[str, Any]], float]:
@@ -97,13 +99,13 @@ def without_slope(result: Result, track: Track) -> tuple[list[dict[str, Any]], f
     along the track, and the largest of them on the leading wheelset [kN]."""
     loads, largest = [], 0.0
     for name in map(str, result.dataset["wheelset"].values):
-        one = result.wheelset(name)
-        s = one["distance"].values
+        wheelset = result.wheelset(name)
+        s = wheelset["distance"].values
         places = np.arange(max(s[0], 0.0), s[-1], 0.05)
         for side, sign in (("left", 1.0), ("right", -1.0)):
             ahead, behind = (track.irregularity(side, s + x) for x in (0.01, -0.01))
             lateral, vertical = ((a - b) / 0.02 for a, b in zip(ahead, behind, strict=True))
-            wheel = one.sel(wheel=side)
+            wheel = wheelset.sel(wheel=side)
             force = (wheel["Q"].values * vertical - sign * wheel["Y"].values * lateral) / 1e3
             largest = max(largest, float(np.abs(force).max()) if name == "front.outer" else 0.0)
             rows = [[float(x), float(f), 0.0, 0.0] for x, f in zip(places, np.interp(places, s, force), strict=True)]
@@ -175,16 +177,16 @@ def between_rows() -> float:
 
 def difference_table(rows: list[dict[str, str]], topic: str) -> Iterator[str]:
     """Values of the first variant, differences of the others."""
-    own = [row for row in rows if row["topic"] == topic]
-    labels = list(dict.fromkeys(row["variant"] for row in own))
-    names = list(dict.fromkeys((row["quantity"], row["unit"]) for row in own))
-    value = {(row["variant"], row["quantity"]): float(row["value"]) for row in own}
+    rows_of_topic = [row for row in rows if row["topic"] == topic]
+    labels = list(dict.fromkeys(row["variant"] for row in rows_of_topic))
+    names = list(dict.fromkeys((row["quantity"], row["unit"]) for row in rows_of_topic))
+    value = {(row["variant"], row["quantity"]): float(row["value"]) for row in rows_of_topic}
     yield f"| | {' | '.join(f'{name} {unit}' for name, unit in names)} |\n|---|{'---|' * len(names)}\n"
     for label in labels:
         cells = []
         for name, _ in names:
-            first, here = value[labels[0], name], value[label, name]
-            cells.append(f"{here:.4g}" + ("" if label == labels[0] else f" ({here - first:+.2g})"))
+            first, number = value[labels[0], name], value[label, name]
+            cells.append(f"{number:.4g}" + ("" if label == labels[0] else f" ({number - first:+.2g})"))
         yield f"| {label} | {' | '.join(cells)} |\n"
 
 
@@ -228,9 +230,9 @@ def page() -> str:
     return text
 
 
-def main(words: list[str]) -> None:
+def main(arguments: list[str]) -> None:
     """Run the cases where asked to, and write the page."""
-    if "--run" in words:
+    if "--run" in arguments:
         rows: list[Any] = [*steady_rows(), *run_rows()]
         with DATA.open("w", encoding="utf-8", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows([["topic", "variant", "quantity", "value", "unit"], *rows])

@@ -49,8 +49,8 @@ def main(names: list[str]) -> None:
         for name in names or COMMANDS:
             written = Path(scratch) / WRITTEN.get(name, name)
             if not written.exists():
-                words = [sys.executable, "-m", "wrsim", *COMMANDS[name].split()]
-                subprocess.run(words, cwd=scratch, check=True, stdout=subprocess.DEVNULL)
+                command = [sys.executable, "-m", "wrsim", *COMMANDS[name].split()]
+                subprocess.run(command, cwd=scratch, check=True, stdout=subprocess.DEVNULL)
             print(shutil.copy(written, HERE / name))
 
 

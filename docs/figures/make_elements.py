@@ -63,8 +63,8 @@ FIGURES = re.compile(r"(\w*(?:stiffness|damping|_force_kN|travel_mm|friction|sec
 def examples() -> dict[str, dict[str, Any]]:
     """Example of every kind on the page: its keys."""
     blocks = re.findall(r"^```toml\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.M | re.S)
-    found = [row for block in blocks for row in tomllib.loads(block).get("elements", ())]
-    return {row["kind"]: row for row in found}
+    elements = [row for block in blocks for row in tomllib.loads(block).get("elements", ())]
+    return {row["kind"]: row for row in elements}
 
 
 def element_of(keys: dict[str, Any]) -> Element:
@@ -138,10 +138,10 @@ def linear(element: Element, stroke: Stroke | None) -> complex:
     return k + viscous + stick
 
 
-def stiffness_table(found: dict[str, dict[str, Any]]) -> Iterator[str]:
+def stiffness_table(example_keys: dict[str, dict[str, Any]]) -> Iterator[str]:
     """Linear stiffness and damping of the examples."""
     yield "| example | along | at rest | 1 mm, 1 Hz | 10 mm, 1 Hz | 1 mm, 10 Hz |\n|---|---|---|---|---|---|\n"
-    for kind, keys in found.items():
+    for kind, keys in example_keys.items():
         element = element_of(keys)
         if kind == "anti-roll-bar":
             k = element.turning_stiffness[0]
@@ -193,9 +193,9 @@ def before(cells: list[str]) -> str:
 def page() -> str:
     """The text of the page with its tables."""
     text = PAGE.read_text(encoding="utf-8")
-    found = examples()
-    assert set(found) == set(KINDS), set(found) ^ set(KINDS)
-    made = {"linear": "".join(stiffness_table(found))}
+    example_keys = examples()
+    assert set(example_keys) == set(KINDS), set(example_keys) ^ set(KINDS)
+    made = {"linear": "".join(stiffness_table(example_keys))}
     for kind in KINDS:
         rows = figures_in_use(kind)
         head = "| element | vehicle | figures |\n|---|---|---|\n"

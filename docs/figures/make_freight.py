@@ -22,11 +22,11 @@ def channel(dataset: xr.Dataset, name: str, of: str) -> np.ndarray:
     return np.asarray(dataset[name].sel(suspension=of).values)
 
 
-def draw(found: dict[str, xr.Dataset]) -> Figure:
+def draw(datasets: dict[str, xr.Dataset]) -> Figure:
     """Guiding force of the leading wheelset's outer wheel, pusher and guide of its box, bearer of the front bogie."""
     figure = new_figure(180, 140)
     force, pusher, guide, bearer = figure.subplots(2, 2).flat
-    for name, dataset in found.items():
+    for name, dataset in datasets.items():
         distance = dataset["distance"]
         force.plot(distance, 1e-3 * dataset["Y"].sel(wheelset="front.outer", wheel="right"), label=name)
         for ax, element, axis in (
@@ -48,9 +48,9 @@ def draw(found: dict[str, xr.Dataset]) -> Figure:
 def main() -> None:
     """Run the scenarios and draw."""
     scenarios = HERE.parents[1] / "scenarios"
-    found = {name: run(load(scenarios / f"{file}.toml")).dataset for name, file in RUNS}
+    datasets = {name: run(load(scenarios / f"{file}.toml")).dataset for name, file in RUNS}
     with style():
-        print(save(draw(found), HERE / "freight.png"))
+        print(save(draw(datasets), HERE / "freight.png"))
 
 
 if __name__ == "__main__":

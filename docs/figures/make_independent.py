@@ -20,12 +20,12 @@ KINDS = {
 def main() -> None:
     """Run the scenario with either wheelset and draw."""
     scenario = load(HERE.parents[1] / "scenarios" / "independent_wheels.toml")
-    found = {name: run(scenario.with_values({"vehicle.model": file})).wheelset() for name, file in KINDS.items()}
+    datasets = {name: run(scenario.with_values({"vehicle.model": file})).wheelset() for name, file in KINDS.items()}
     with style():
-        print(save(draw(found), HERE / "independent.png"))
+        print(save(draw(datasets), HERE / "independent.png"))
 
 
-def draw(found: dict[str, xr.Dataset]) -> Figure:
+def draw(datasets: dict[str, xr.Dataset]) -> Figure:
     """Shift, angle of attack, longitudinal and guiding force of the outer wheel over the distance."""
     figure = new_figure(180, 140)
     axes = figure.subplots(2, 2, sharex=True)
@@ -36,7 +36,7 @@ def draw(found: dict[str, xr.Dataset]) -> Figure:
         ("Y", 1e-3, "guiding force of the right wheel, kN"),
     )
     for ax, (name, scale, label) in zip(axes.flat, rows, strict=True):
-        for kind, dataset in found.items():
+        for kind, dataset in datasets.items():
             values = dataset[name].sel(wheel="right") if "wheel" in dataset[name].dims else dataset[name]
             ax.plot(dataset["distance"], scale * values, label=kind)
         ax.set_ylabel(label)

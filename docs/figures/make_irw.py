@@ -27,9 +27,9 @@ def main() -> None:
         raise SystemExit("python docs/figures/make_irw.py REFERENCE")
     reference = gz18.reference_folder(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
-        found = run(gz18.scenario(reference, Path(folder), "r300", car="irw"))
+        result = run(gz18.scenario(reference, Path(folder), "r300", car="irw"))
     with style():
-        print(save(draw(found.dataset.isel(wheelset=0)), HERE / "irw.png"))
+        print(save(draw(result.dataset.isel(wheelset=0)), HERE / "irw.png"))
 
 
 def draw(dataset: xr.Dataset) -> Figure:
@@ -42,8 +42,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes[0, 1].plot(distance, 1e3 * dataset["yaw"], color="black")
     axes[0, 1].set_ylabel("yaw, mrad (nose outward +)")
     for ax, name, label in ((axes[1, 0], "Q", "wheel load, kN"), (axes[1, 1], "Y", "guiding force, kN (outward +)")):
-        for wheel, words in (("left", "left, outer wheel"), ("right", "right, inner wheel")):
-            ax.plot(distance, 1e-3 * dataset[name].sel(wheel=wheel), label=words)
+        for wheel, side in (("left", "left, outer wheel"), ("right", "right, inner wheel")):
+            ax.plot(distance, 1e-3 * dataset[name].sel(wheel=wheel), label=side)
         ax.set_ylabel(label)
         ax.set_xlabel("distance, m")
     axes[1, 1].legend()

@@ -41,10 +41,10 @@ def draw(runs: dict[str, list[xr.Dataset]]) -> Figure:
     axes = figure.subplots(1, 2)
     for name, datasets in runs.items():
         last = [dataset.isel(time=-1, wheelset=0) for dataset in datasets]
-        creepage = [100.0 * abs(float(one["axle_creepage"])) for one in last]
-        pull = [abs(float(one["X"].sum() / one["Q"].sum())) for one in last]
+        creepage = [100.0 * abs(float(sample["axle_creepage"])) for sample in last]
+        pull = [abs(float(sample["X"].sum() / sample["Q"].sum())) for sample in last]
         axes[0].plot(creepage, pull, marker="o", label=name)
-        axes[1].plot(creepage, [float(np.nanmax(one["temperature"])) for one in last], marker="o")
+        axes[1].plot(creepage, [float(np.nanmax(sample["temperature"])) for sample in last], marker="o")
         for each, heat, force in zip(creepage, last, pull, strict=True):
             print(f"{name}: creepage {each:.2f} %, X/Q {force:.3f}, {float(np.nanmax(heat['temperature'])):.0f} degC")
     axes[0].set_ylabel("pull over load of the leading axle")

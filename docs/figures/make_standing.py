@@ -83,8 +83,8 @@ def read(name: str) -> Rows:
 
 def models(rows: Rows) -> list[str]:
     """Models of a table of cases, peers first."""
-    found = [c.removesuffix(" p0") for c in rows[0] if c.endswith(" p0")] if rows else []
-    return [m for m in NAMES if m in found] + [m for m in found if m not in NAMES]
+    named = [c.removesuffix(" p0") for c in rows[0] if c.endswith(" p0")] if rows else []
+    return [m for m in NAMES if m in named] + [m for m in named if m not in NAMES]
 
 
 def name_of(model: str) -> str:
@@ -185,9 +185,9 @@ def arcs() -> Figure:
     chosen = [m for m in NAMES if m in COLOURS and any(r["model"] == m for r in rows)]
     for panel, quantity in zip(axes, ("p0", "width"), strict=True):
         for i, model in enumerate(chosen):
-            own = [r for r in rows if r["model"] == model]
+            rows_of_model = [r for r in rows if r["model"] == model]
             for j, radius in enumerate(radii):
-                e = [100.0 * float(r[quantity]) for r in own if float(r["R_wheel_mm"]) == radius]
+                e = [100.0 * float(r[quantity]) for r in rows_of_model if float(r["R_wheel_mm"]) == radius]
                 x = j + (i - 0.5 * (len(chosen) - 1)) * 0.8 / len(chosen)
                 marks = "s" if model in DASHED else "o"
                 inside = "white" if model.endswith("_conf") else COLOURS[model]
@@ -208,20 +208,24 @@ def creep_forces() -> Figure:
     rows = read("creep_forces")
     figure = new_figure(190, 95)
     axes = figure.subplots(1, 2, sharey=True)
-    found = list(dict.fromkeys(r["model"] for r in rows))
+    models_in_table = list(dict.fromkeys(r["model"] for r in rows))
     # of the normal models the one that is nearest to the ellipse
-    best = [m for m in ("strips", "kik-piotrowski") if any(f.startswith(f"{m}, ") for f in found)][:1]
-    chosen = [m for m in found if m.startswith("CONTACT") or m.startswith(("half-space, ", *(f"{b}, " for b in best)))]
+    best = [m for m in ("strips", "kik-piotrowski") if any(f.startswith(f"{m}, ") for f in models_in_table)][:1]
+    chosen = [
+        m
+        for m in models_in_table
+        if m.startswith("CONTACT") or m.startswith(("half-space, ", *(f"{b}, " for b in best)))
+    ]
     colours = iter(["#0072B2", "#56B4E9", "#D55E00", "#CC79A7", "#E69F00", "#F0E442", "#009E73", "#000000"])
     for model in chosen:
         if model == "CONTACT's contact_ellbound":
             continue
-        own = [r for r in rows if r["model"] == model]
+        rows_of_model = [r for r in rows if r["model"] == model]
         theirs = model.startswith("CONTACT")
         grey = {"fastsim_ell": "#8c8c8c", "fastsim_par": "#b5b5b5", "fastrip": "#3d3d3d"}
         colour = grey[model.split()[-1]] if theirs else next(colours)
         for panel, quantity in zip(axes, ("force", "moment"), strict=True):
-            e = np.sort([float(r[quantity]) for r in own])
+            e = np.sort([float(r[quantity]) for r in rows_of_model])
             panel.plot(np.maximum(e, 1e-4), 100.0 * (np.arange(len(e)) + 1.0) / len(e), color=colour, linewidth=1.4,
                        linestyle="--" if theirs else "-", label=model.removeprefix("kik-piotrowski, "))  # fmt: skip
             panel.set_xscale("log")
@@ -249,8 +253,8 @@ def cost() -> Figure:
         panel.plot([x, x], [middle, most], color=COLOURS[model], linewidth=2.0)
         panel.plot([x], [middle], "s" if model in DASHED else "o", color=COLOURS[model])
         panel.plot([x], [most], "_", color=COLOURS[model], markersize=9)
-        words = name_of(model).removesuffix(", projected")
-        panel.annotate(words, (x, middle), xytext=(6, -3), textcoords="offset points", fontsize=7)
+        label = name_of(model).removesuffix(", projected")
+        panel.annotate(label, (x, middle), xytext=(6, -3), textcoords="offset points", fontsize=7)
     panel.set_xscale("log")
     panel.set_yscale("log")
     panel.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
@@ -276,7 +280,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 def static_tables() -> str:
     """Median / 95 % of every quantity, a table for every reference table with friction."""
     parts = []
-    for file, words in TABLES.items():
+    for file, title in TABLES.items():
         if file.endswith("frictionless"):
             continue
         rows = read(file)
@@ -287,7 +291,7 @@ def static_tables() -> str:
                 e = np.abs(errors(rows, model, quantity))
                 cells.append("{:.4f} / {:.4f}".format(*np.percentile(e, [50.0, 95.0])) if len(e) else "")
             body.append([name_of(model), str(len(errors(rows, model, "p0"))), *cells])
-        parts.append(table([f"{words}: {len(rows)} cases", "solved", "p0", "area", "approach", "N"], body))
+        parts.append(table([f"{title}: {len(rows)} cases", "solved", "p0", "area", "approach", "N"], body))
     return "\n\n".join(parts)
 
 
@@ -295,18 +299,18 @@ def arc_table() -> str:
     """Worst errors of p0 and of the variation of the contact angle by the wheel's radius."""
     rows = read("arcs")
     radii = sorted({r["R_wheel_mm"] for r in rows}, key=float)
-    found = [m for m in NAMES if any(r["model"] == m for r in rows)]
+    models_in_table = [m for m in NAMES if any(r["model"] == m for r in rows)]
     parts = []
-    for quantity, words in (("p0", "p0"), ("angles", "variation of the contact angle")):
+    for quantity, title in (("p0", "p0"), ("angles", "variation of the contact angle")):
         body = []
-        for model in found:
+        for model in models_in_table:
             cells = []
             for radius in radii:
                 e = [float(r[quantity]) for r in rows if r["model"] == model and r["R_wheel_mm"] == radius]
                 worst = max(e, key=abs) if e else np.nan
                 cells.append(f"{100.0 * worst:+.1f} %" if np.isfinite(worst) else "")
             body.append([name_of(model), *cells])
-        parts.append(table([words, *(f"R13/R{float(r):g}" for r in radii)], body))
+        parts.append(table([title, *(f"R13/R{float(r):g}" for r in radii)], body))
     return "\n\n".join(parts)
 
 
@@ -354,10 +358,10 @@ def creep_table() -> str:
     rows = read("creep_forces")
     body = []
     for model in dict.fromkeys(r["model"] for r in rows):
-        own = [r for r in rows if r["model"] == model]
+        rows_of_model = [r for r in rows if r["model"] == model]
         cells = []
         for quantity in ("force", "moment"):
-            e = np.array([float(r[quantity]) for r in own])
+            e = np.array([float(r[quantity]) for r in rows_of_model])
             cells.append("{:.4f} / {:.4f} / {:.4f}".format(*np.percentile(e, [50.0, 95.0]), e.max()))
         body.append([model, *cells])
     return table(["creep forces on ellipses, 177 cases: median / 95 % / worst", "force", "moment"], body)
@@ -383,17 +387,17 @@ STEP_CASES = {
 def step_table() -> str:
     """Errors of the time step against a tight run: rms of the wheelset or wheel with the least and the largest, max."""
     rows, body = read("step_error"), []
-    for case, words in STEP_CASES.items():
+    for case, title in STEP_CASES.items():
         for method, step in dict.fromkeys((r["method"], r["step_us"]) for r in rows if r["case"] == case):
             cells = {r["quantity"]: r for r in rows if (r["case"], r["method"], r["step_us"]) == (case, method, step)}
             label = {"default": " (default)", "rk44": " (RK44)"}.get(method, "")
-            head = [words, f"{float(step) / 1e3:g}{label}", next(iter(cells.values()))["evaluations"]]
+            head = [title, f"{float(step) / 1e3:g}{label}", next(iter(cells.values()))["evaluations"]]
             for q in STEP_QUANTITIES:
                 head.append(
                     "{} to {} / {}".format(*(plain(cells[q][name]) for name in ("rms_least", "rms_most", "max")))
                 )
             body.append(head)
-            words = ""
+            title = ""
     heads = (f"{name} [{unit}]" for name, unit in STEP_QUANTITIES.items())
     return table(["case", "step [ms]", "evaluations", *heads], body)
 
@@ -434,26 +438,28 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 
 def values() -> dict[str, str]:
     """Figures that texts take by name: rows of the summary, and errors of every model on every table."""
-    found = REPORT["values"] | {row["id"]: row["value"] for row in REPORT["summary"] if "id" in row}
+    figures = REPORT["values"] | {row["id"]: row["value"] for row in REPORT["summary"] if "id" in row}
     for short, file in (("static", "own_static"), ("bench", "mbench_a22")):
         rows = read(file)
         for model in models(rows):
             for quantity in QUANTITIES:
                 e = np.abs(errors(rows, model, quantity))
-                found[f"{short} {model} {quantity}"] = "{:.4f} / {:.4f}".format(*np.percentile(e, [50.0, 95.0]))
+                figures[f"{short} {model} {quantity}"] = "{:.4f} / {:.4f}".format(*np.percentile(e, [50.0, 95.0]))
     for row in rows_of(creep_table()):
-        found[f"creep {row[0]} force"], found[f"creep {row[0]} moment"] = row[1:]
+        figures[f"creep {row[0]} force"], figures[f"creep {row[0]} moment"] = row[1:]
     for model in NAMES:
         arc = [abs(float(r["p0"])) for r in read("arcs") if r["model"] == model]
         groove = [r for r in read("grooves") if r["model"] == model]
         if arc:
-            found[f"arcs {model} p0"] = f"{100.0 * max(arc):.1f} %"
+            figures[f"arcs {model} p0"] = f"{100.0 * max(arc):.1f} %"
         for quantity in ("approach", "p0") if groove else ():
-            found[f"grooves {model} {quantity}"] = f"{100.0 * max(abs(float(r[quantity]) - 1.0) for r in groove):.1f} %"
+            figures[f"grooves {model} {quantity}"] = (
+                f"{100.0 * max(abs(float(r[quantity]) - 1.0) for r in groove):.1f} %"
+            )
     for row in read("step_error"):
         name = "step {case} {method} {step_us} {quantity}".format(**row)
-        found[name] = f"{plain(row['rms_most'])} / {plain(row['max'])}"
-    return found
+        figures[name] = f"{plain(row['rms_most'])} / {plain(row['max'])}"
+    return figures
 
 
 def rows_of(markdown: str) -> list[list[str]]:

@@ -27,9 +27,9 @@ def section(axes: Axes, model: ContactModel) -> None:
     width = MM * strips["ds"]
     axes.bar(s, 1e-6 * strips["p"], width, color="C0", alpha=0.35, edgecolor="C0", linewidth=0.5)
     axes.set(xlabel="curved axis $s$ [mm]", ylabel="pressure $p(0)$ of the strips [MPa]")
-    other = axes.twinx()
-    other.plot(MM * rows["s"], UM * rows["d"], color="0.3")
-    other.set(ylabel="penetration $d$ [µm]", ylim=(0.0, None))
+    right_axes = axes.twinx()
+    right_axes.plot(MM * rows["s"], UM * rows["d"], color="0.3")
+    right_axes.set(ylabel="penetration $d$ [µm]", ylim=(0.0, None))
     for edge in (grid["start"], grid["end"]):
         axes.axvline(MM * edge, color="C3", linestyle=":", linewidth=0.9)
 
@@ -44,8 +44,8 @@ def plan(axes: Axes, model: ContactModel) -> None:
         lo, hi = MM * place["lo"], MM * place["hi"]
         box = MM * np.array([middle - half, middle + half])
         axes.fill_between([lo, hi], box[0], box[1], color="C0", alpha=0.25, edgecolor="C0", linewidth=0.5)
-        at = MM * (middle + half * np.array([-np.sqrt(0.75), 0.0, np.sqrt(0.75)]))
-        axes.plot(np.full(3, MM * place["s"]), at, "k.", ms=3)
+        points = MM * (middle + half * np.array([-np.sqrt(0.75), 0.0, np.sqrt(0.75)]))
+        axes.plot(np.full(3, MM * place["s"]), points, "k.", ms=3)
     axes.plot(MM * rows["s"], MM * rows["x"], "--", color="C3", linewidth=1.0)
     axes.set(xlabel="curved axis $s$ [mm]", ylabel="along the rail $x$ [mm]")
 

@@ -45,10 +45,10 @@ def line(axes: Axes, *points: ArrayLike, colour: str = INK, width: float = 0.9, 
     axes.plot(*np.array(points, float).T, **({"color": colour, "linewidth": width} | options))
 
 
-def words(axes: Axes, *entries: tuple, colour: str = INK) -> None:
+def texts(axes: Axes, *entries: tuple, colour: str = INK) -> None:
     """Texts: x, y, text, and a colour where it is another."""
-    for x, y, text, *own in entries:
-        say(axes, (x, y), text, *own or [colour])
+    for x, y, text, *own_colour in entries:
+        say(axes, (x, y), text, *own_colour or [colour])
 
 
 def spring(axes: Axes, x: float, y: float, dx: float, dy: float, colour: str = INK) -> None:
@@ -94,18 +94,18 @@ def track(figure: Figure) -> None:
     turn(a, (0, 0), 8, 0, 14, FORCE)
     arrow(a, 26 * n - 13 * b, -26 * n - 13 * b, *SPAN)
     arrow(a, (39, 26 * n[1]), (39, -26 * n[1]), *SPAN)
-    words(a, (-9.5, -5.5, r"$\mathbf{n}$", AXIS), (-4, 17.5, r"$\mathbf{b}$", AXIS), (2, -4.2, r"$\mathbf{t}$", AXIS),
+    texts(a, (-9.5, -5.5, r"$\mathbf{n}$", AXIS), (-4, 17.5, r"$\mathbf{b}$", AXIS), (2, -4.2, r"$\mathbf{t}$", AXIS),
           (-17, 2.5, r"$\mathbf{h}$"), (1.5, 17.5, r"$\mathbf{v}$"), (12.5, 1.4, r"$-\phi$", FORCE),
           (4, -15.5, "$c_0$", QUIET), (41, -3, "$c$", QUIET))  # fmt: skip
     path = [Straight(30), Transition(60), Arc(60, 300, cant=0.15), Transition(60, "bloss"), Straight(30)]
     laid, s = Track.build(path), np.linspace(0, 240, 961)
     a = chart(figure, 109, 66, "b  Transitions", ("distance $s$ [m]", 0, 240), (r"curvature $\kappa$ [1/km]", 0, 4.4))
     a.plot(s, 1e3 * laid.curvature(s), color=BLUE)
-    words(a, (60, 3.9, "clothoid"), (180, 3.9, "Bloss"), colour=QUIET)
-    other = a.twinx()
-    other.plot(s, 1e3 * laid.cant(s), color=VERMILION, linestyle=(0, (4, 2)))
-    other.set(ylim=(0, 220), ylabel="cant $c$ [mm], dashed")
-    other.grid(False)
+    texts(a, (60, 3.9, "clothoid"), (180, 3.9, "Bloss"), colour=QUIET)
+    cant_axes = a.twinx()
+    cant_axes.plot(s, 1e3 * laid.cant(s), color=VERMILION, linestyle=(0, (4, 2)))
+    cant_axes.set(ylim=(0, 220), ylabel="cant $c$ [mm], dashed")
+    cant_axes.grid(False)
 
 
 def transitions(figure: Figure) -> None:
@@ -135,7 +135,7 @@ def surfaces(figure: Figure) -> None:
     for start, end, colour in (((0, 0), (58, 0), AXIS), ((0, 0), (0, 26), AXIS), (WHEEL[k], 24 * tangent, FORCE)):
         arrow(a, start, np.add(start, end), colour)
     a.plot(*WHEEL[k], "o", color=INK, markersize=3, zorder=8)
-    words(a, (63, 0, "$u$", AXIS), (5, 25, "$w$", AXIS), (36, 28, "material", QUIET), (-56, 14, "flange", QUIET),
+    texts(a, (63, 0, "$u$", AXIS), (5, 25, "$w$", AXIS), (36, 28, "material", QUIET), (-56, 14, "flange", QUIET),
         (WHEEL[k, 0] + 26, WHEEL[k, 1] - 8, "$(u(L), w(L))$"), (-2, -10, "$L$ rises outward", FORCE))  # fmt: skip
     a = panel(figure, 98, 9, 88, 52, "b  Wheel as surface of revolution", (-104, 104, -62))
     shape = np.column_stack((1.1 * WHEEL[:, 0], 38 - 0.75 * WHEEL[:, 1]))
@@ -147,7 +147,7 @@ def surfaces(figure: Figure) -> None:
     line(a, (-102, 0), (102, 0), colour=QUIET, width=0.7, linestyle="-.", zorder=5)
     for i in (int(np.argmax(shape[:, 0] > -41)), int(np.argmax(shape[:, 0] > 0))):
         arrow(a, (shape[i, 0], 0), shape[i] * [1, -1], *SPAN)
-    words(a, (-96, 5, "axle", QUIET), (5, -18, "$R$"), (-33, -18, r"$\rho(L)$"), (94, -7, "$u$", AXIS))
+    texts(a, (-96, 5, "axle", QUIET), (5, -18, "$R$"), (-33, -18, r"$\rho(L)$"), (94, -7, "$u$", AXIS))
     arrow(a, (shape[-1, 0], 0), (98, 0), AXIS)
 
 
@@ -172,14 +172,14 @@ def search(figure: Figure) -> None:
     line(a, (low - 3, 0.45 * top), (16, 0.45 * top), **DASH)
     arrow(a, (6, 0), (6, top), *SPAN)
     arrow(a, (low, 0), (low, pit), *SPAN)
-    words(a, (13.2, 0.45 * top + 3, r"$(1-\varepsilon)\,\delta$", QUIET), (6.8, 24, r"$\delta$"),
+    texts(a, (13.2, 0.45 * top + 3, r"$(1-\varepsilon)\,\delta$", QUIET), (6.8, 24, r"$\delta$"),
           (low - 1, 6, r"$\sigma$"), (-3.4, 56, "deeper lobe", QUIET), (9, 36, "shallower lobe", QUIET))  # fmt: skip
 
 
 def half_space(figure: Figure) -> None:
     """Rows on the curved patch, pressures of the elements."""
-    found = solve_into(solved(8e-3, 6.4e-3, normal="half-space")).patches[0]
-    peak, grid = found.p.max(axis=1), found.grid
+    patch = solve_into(solved(8e-3, 6.4e-3, normal="half-space")).patches[0]
+    peak, grid = patch.p.max(axis=1), patch.grid
     rows = np.flatnonzero(peak)
     x, y = 1e3 * grid.centre[rows].mean(axis=0)
     a = chart(figure, 14, 62, "a  Rows on the curved axis", ("$o$ [mm]", x - 6, x + 6), ("$b$ [mm]", y - 3.2, y + 5.1))
@@ -188,11 +188,11 @@ def half_space(figure: Figure) -> None:
     for i in rows[:: max(len(rows) // 24, 1)]:
         foot = 1e3 * grid.centre[i]
         line(a, foot, foot + 3.5 * peak[i] / peak.max() * grid.normal[i], colour=VERMILION)
-    found = solve_into(solved(normal="half-space")).patches[0]
-    x, s, p = 1e3 * found.grid.x, 1e3 * found.grid.s, np.where(found.p > 0, 1e-6 * found.p, np.nan)
+    patch = solve_into(solved(normal="half-space")).patches[0]
+    x, s, p = 1e3 * patch.grid.x, 1e3 * patch.grid.s, np.where(patch.p > 0, 1e-6 * patch.p, np.nan)
     a = chart(figure, 100, 76, "b  Elements of a patch", ("$x$ [mm]", -8, 8), ("$s$ [mm]", -4, 9))
     drawn = a.pcolormesh(x, s, p, cmap=pressure_map(), edgecolors="white", linewidth=0.04, rasterized=True)
-    a.contour(x, s, found.state == 1, levels=[0.5], colors=[BLUE], linewidths=1.2)
+    a.contour(x, s, patch.state == 1, levels=[0.5], colors=[BLUE], linewidths=1.2)
     figure.colorbar(drawn, ax=a, pad=0.03, fraction=0.06).set_label("pressure $p$ [MPa]")
 
 
@@ -211,19 +211,19 @@ def creep_forces(figure: Figure) -> None:
             bound = strip["mu"] * strip["p"] * np.sqrt(1 - (place / strip["a"]) ** 2)
             q = q - dx * (np.array([strip["xi"], strip["eta"]]) / soft + [0, strip["phi"] * place / turning])
             fill, q = "#f6cdb4" if np.hypot(*q) > bound else "#c6dff0", q * min(1.0, bound / np.hypot(*q))
-            at = 1e3 * (strip["x"] + place)
-            cells.append((at, 1e-6 * bound, 1e-6 * np.hypot(*q)))
-            box(a, at - 500 * dx, low, at + 500 * dx, high, fill, linewidth=0.2, edgecolor="w", zorder=1)
+            x_mm = 1e3 * (strip["x"] + place)
+            cells.append((x_mm, 1e-6 * bound, 1e-6 * np.hypot(*q)))
+            box(a, x_mm - 500 * dx, low, x_mm + 500 * dx, high, fill, linewidth=0.2, edgecolor="w", zorder=1)
             if len(cells) % 5 == 3:
-                arrow(a, (at, 1e3 * strip["s"]), (at, 1e3 * strip["s"]) + 5e-9 * q, INK, 0.6)
+                arrow(a, (x_mm, 1e3 * strip["s"]), (x_mm, 1e3 * strip["s"]) + 5e-9 * q, INK, 0.6)
         longest = max(longest, cells)
     arrow(a, (2.4, 9.2), (7, 9.2), AXIS)
-    words(a, (0.4, 9.2, "rolling", AXIS), (-5, -3.8, "slip", VERMILION), (5, -3.8, "adhesion", BLUE))
+    texts(a, (0.4, 9.2, "rolling", AXIS), (-5, -3.8, "slip", VERMILION), (5, -3.8, "adhesion", BLUE))
     x, bound, q = np.array(longest).T
     a = chart(figure, 106, 78, "b  Along the longest strip", ("$x$ [mm]", -7, 7), ("traction [MPa]", 0, 600))
     a.plot(x, bound, "--", color=QUIET, label=r"bound $\mu p$")
     a.plot(x, q, color=INK, label=r"$|\mathbf{q}|$")
-    words(a, (-4.6, 180, "slip", VERMILION), (1, 60, "adhesion", BLUE))
+    texts(a, (-4.6, 180, "slip", VERMILION), (1, 60, "adhesion", BLUE))
     a.legend()
 
 
@@ -235,11 +235,15 @@ def friction(figure: Figure) -> None:
     a.plot(w, law["friction"].coefficient(np.array([0.0, 1.0]), w), color=BLUE)
     line(a, (0, 0.35), (1 / 0.6, 0.14), (1 / 0.6, 0), **DASH)
     line(a, (0, 0.14), (6, 0.14), **DASH)
-    words(a, (5.2, 0.115, r"$A\,\mu_0$"), (0.6, 0.375, r"$\mu_0$"), (2.2, 0.03, "$1/B$"))
+    texts(a, (5.2, 0.115, r"$A\,\mu_0$"), (0.6, 0.375, r"$\mu_0$"), (2.2, 0.03, "$1/B$"))
     a = chart(figure, 112, 72, "b  Creep force", (r"creepage $-\xi$ [%]", 0, 5.5), ("$F_x/N$", 0, 0.4))
     slow = {"slope_k0": 0.4, "slope_alpha_inf": 0.2, "slope_beta": 0.4}
-    for name, look, own in (("constant", "-", {}), ("falling", "--", law), ("and slope reduction", ":", law | slow)):
-        model, curve = solved(0.0, **own), []
+    for name, look, choices in (
+        ("constant", "-", {}),
+        ("falling", "--", law),
+        ("and slope reduction", ":", law | slow),
+    ):
+        model, curve = solved(0.0, **choices), []
         rolling = model.arrays.pose.copy().reshape(4, 3) * [[1], [1], [10], [10]]  # 20 m/s
         for extra in np.append(np.linspace(-1e-3, 0.01, 45), np.linspace(0.012, 0.06, 25)):
             rolling[3, 1] = 20 / 0.46 * (1 + extra)
@@ -266,7 +270,7 @@ def multibody(figure: Figure) -> None:
         line(a, (x + 10, 26), (x + 10, 30), (x - 12, 30), (x - 12, 33), colour=BLUE)
     spring(a, 106, 40, 12, 0, FORCE)
     a.plot(118, 40, "o", color=FORCE, markersize=3)
-    words(a, (58, 40.5, "car body: $z, x, y$, heading, roll, pitch"), (58, 24, "bogie frames"), (58, 13, "wheelsets"),
+    texts(a, (58, 40.5, "car body: $z, x, y$, heading, roll, pitch"), (58, 24, "bogie frames"), (58, 13, "wheelsets"),
           (117, 45, "prescribed\npoint, $s_0(t)$", FORCE), (58, 29.5, "secondary: field", BLUE),
           (58, 18.5, "primary: field", BLUE), (58, 3, "pieces of rail", QUIET), (9, 30, "rod", BLUE))  # fmt: skip
 
@@ -291,7 +295,7 @@ def integration(figure: Figure) -> None:
     ):  # fmt: skip
         line(a, *way)
         arrow(a, way[-2], way[-1])
-    words(a, (140, 46.5, "yes"), (119, 35, "no"), (92, 28.5, "yes"), (119, 17, "no"), colour=FORCE)
+    texts(a, (140, 46.5, "yes"), (119, 35, "no"), (92, 28.5, "yes"), (119, 17, "no"), colour=FORCE)
 
 
 def elastic(figure: Figure) -> None:
@@ -304,10 +308,10 @@ def elastic(figure: Figure) -> None:
     a.legend(ncols=3)
     modes = Axle(((2.2, 0.17),)).modes([Disc(side * 0.75, 350.0, 35.0, 20.0) for side in (-1, 1)])
     speeds = np.linspace(0.001, 300, 61)
-    found = [whirl(modes, speed / 3.6 / 0.46) for speed in speeds]
+    whirls = [whirl(modes, speed / 3.6 / 0.46) for speed in speeds]
     a = chart(figure, 112, 72, "b  Axle with two wheels", ("speed [km/h]", 0, 300), ("natural frequency [Hz]", 0, 225))
     for forward, look, name in ((True, "-", "whirls forward"), (False, "--", "whirls backward")):
-        colour, y = BLUE if forward else VERMILION, [f[way == forward][:2] for f, way in found]
+        colour, y = BLUE if forward else VERMILION, [f[way == forward][:2] for f, way in whirls]
         a.plot(speeds, y, look, color=colour, label=[name, "_"])
     a.legend(loc="lower right")
 
@@ -327,7 +331,7 @@ def out_of_round(figure: Figure) -> None:
     turn(a, (0, 0), 19, 270, 270 + np.degrees(0.25), FORCE)
     turn(a, (0, 0), 14, 90, 40, AXIS)
     arrow(a, (34, 12), (47, 12), AXIS)
-    words(a, (3, -14, r"$\vartheta$", FORCE), (11, 14, r"$\varphi$", AXIS), (40, 15, "rolling", AXIS), (-8, -13, "$P$"),
+    texts(a, (3, -14, r"$\vartheta$", FORCE), (11, 14, r"$\varphi$", AXIS), (40, 15, "rolling", AXIS), (-8, -13, "$P$"),
           (22, -33, "contact", FORCE), (-13, -32.4, r"depth $\delta$"), (-24.5, 22, r"$\rho$", QUIET))  # fmt: skip
     a.plot(*touch, "o", color=FORCE, markersize=3.5, zorder=8)
 
@@ -340,9 +344,9 @@ def sleepers(figure: Figure) -> None:
     box(a, 4, 30, 178, 33, RAIL_FILL)
     for x in range(7, 178, 12):
         box(a, x - 2.5, 18, x + 3.5, 23)
-        for draw, at in ((spring, x - 1), (damper, x + 2)):
-            draw(a, at, 30, 0, -7)
-            draw(a, at, 18, 0, -9)
+        for draw, x_of_layer in ((spring, x - 1), (damper, x + 2)):
+            draw(a, x_of_layer, 30, 0, -7)
+            draw(a, x_of_layer, 18, 0, -9)
     a.plot(np.arange(7.5, 176, 3), np.full(57, 31.5), ".", color=QUIET, markersize=2, zorder=8)
     line(a, (2, 9), (180, 9), width=1.6)
     for x in (66, 80, 102, 116):
@@ -350,7 +354,7 @@ def sleepers(figure: Figure) -> None:
         arrow(a, (x, 48.5), (x, 44.5), FORCE)
     arrow(a, (4, 53), (66, 53), *SPAN)
     arrow(a, (4, 44), (46, 44), *SPAN)
-    words(a, (35, 55, "margin", QUIET), (25, 46, "end zone, $L$", QUIET), (28, 39, "rate $r\\,(x/L)^2$", VERMILION),
+    texts(a, (35, 55, "margin", QUIET), (25, 46, "end zone, $L$", QUIET), (28, 39, "rate $r\\,(x/L)^2$", VERMILION),
           (91, 51.5, "forces $f$ of the wheels", FORCE),
           (91, 4.5, "rail of elements $B, S, m'$ with nodes; pads; half sleepers; ballast", QUIET))  # fmt: skip
 

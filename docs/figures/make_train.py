@@ -38,8 +38,8 @@ def draw(d: xr.Dataset) -> Figure:
         lateral.plot(x, 1e-3 * d[f"coupling_fy_{name}"].values[:, 0], color=colour, label=label)
     for k, colour in enumerate(("#0072B2", "#D55E00", "#009E73")):
         wheelset = d.sel(wheelset=f"coach{k + 1}.front.outer")
-        at = wheelset["wheelset_distance"]
-        guiding.plot(at, 1e-3 * wheelset["sum_Y"], color=colour, lw=0.7, label=f"coach {k + 1}, leading wheelset")
+        distance = wheelset["wheelset_distance"]
+        guiding.plot(distance, 1e-3 * wheelset["sum_Y"], color=colour, lw=0.7, label=f"coach {k + 1}, leading wheelset")
     for ax, label in (
         (forces, "force between coaches 1 and 2, kN"), (strokes, "way, mm (buffers: pressed positive)"),
         (lateral, "lateral force, to the left, kN"), (guiding, "track shifting force, to the left, kN"),

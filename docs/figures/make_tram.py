@@ -21,8 +21,8 @@ def main() -> None:
     scenario = load(HERE.parents[1] / "scenarios" / "tram_r25.toml")
     rows = []
     for gauge in GAUGES:
-        found = run(scenario.with_values({"track.gauge_mm": float(gauge)})).wheelset()
-        last = found.isel(time=int(np.argmin(np.abs(found["distance"].values - 15.0))))
+        wheelset = run(scenario.with_values({"track.gauge_mm": float(gauge)})).wheelset()
+        last = wheelset.isel(time=int(np.argmin(np.abs(wheelset["distance"].values - 15.0))))
         angle, normal = last["contact_angle"].values, 1e-3 * last["N"].values
         steep = np.where(np.abs(angle) > 0.5, np.abs(np.sin(angle)) * normal, 0.0)
         rows.append(np.nansum(steep, axis=1))

@@ -16,25 +16,25 @@ HERE = Path(__file__).parent
 
 def main() -> None:
     """Run the scenario and draw."""
-    found = run(load(HERE.parents[1] / "scenarios" / "tram_car_r25.toml")).dataset
+    dataset = run(load(HERE.parents[1] / "scenarios" / "tram_car_r25.toml")).dataset
     with style():
-        print(save(draw(found), HERE / "tram_car.png"))
+        print(save(draw(dataset), HERE / "tram_car.png"))
 
 
-def draw(found: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> Figure:
     """What flanges and backs of flanges press sideways, and forces lengthwise, over the place of each wheelset."""
     figure = new_figure(180, 80)
     left, right = figure.subplots(1, 2)
-    angle, normal = found["contact_angle"].values, 1e-3 * found["N"].values
+    angle, normal = dataset["contact_angle"].values, 1e-3 * dataset["N"].values
     pressed = np.where(np.abs(angle) > 0.5, normal * np.sin(angle), 0.0)
-    for i, name in enumerate(found["wheelset"].values):
-        place, colour = found["wheelset_distance"].values[:, i], f"C{i}"
+    for i, name in enumerate(dataset["wheelset"].values):
+        place, colour = dataset["wheelset_distance"].values[:, i], f"C{i}"
         # backs of the inner wheels push the other way than their flanges
         guard = -np.nansum(np.where(pressed[:, i, 1] < 0.0, pressed[:, i, 1], 0.0), axis=-1)
         flange = np.nansum(np.where(pressed[:, i] > 0.0, pressed[:, i], 0.0), axis=(-2, -1))
         left.plot(place, guard, color=colour, label=f"{name}")
         left.plot(place, -flange, color=colour, linestyle=":")
-        right.plot(place, 1e-3 * found["X"].values[:, i, 0], color=colour)
+        right.plot(place, 1e-3 * dataset["X"].values[:, i, 0], color=colour)
     left.axhline(0.0, color="0.5", linewidth=0.5)
     left.set(xlabel="place of the wheelset, m", ylabel="guard faces up, flanges down (dotted), kN", ylim=(-35, 60))
     right.set(xlabel="place of the wheelset, m", ylabel="X of the outer wheel, kN")

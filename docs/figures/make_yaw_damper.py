@@ -41,18 +41,18 @@ def yaw_of(folder: str, description: Any, gain: float) -> np.ndarray:
     unit = instantiate_fmu(folder, description, fmi_type="CoSimulation")
     unit.enterInitializationMode()
     unit.exitInitializationMode()
-    found = np.zeros(round(DURATION / STEP))
-    for i in range(len(found)):
+    yaw = np.zeros(round(DURATION / STEP))
+    for i in range(len(yaw)):
         unit.setFloat64([number["kick.force_y_N"]], [KICK if i * STEP < KICKED else 0.0])
         for bogie in ("front", "rear"):
             rate = unit.getFloat64([number[f"{bogie}.frame.yaw_rate_rad_s"]])[0]
             forces = [number[f"{bogie}.yaw_damper_{side}.control_N"] for side in ("left", "right")]
             unit.setFloat64(forces, [-gain * rate, gain * rate])
         unit.doStep(i * STEP, STEP)
-        found[i] = unit.getFloat64([number["front.frame.yaw_rad"]])[0]
+        yaw[i] = unit.getFloat64([number["front.frame.yaw_rad"]])[0]
     unit.terminate()
     unit.freeInstance()
-    return found
+    return yaw
 
 
 def damping(yaw: np.ndarray) -> tuple[float, float]:
@@ -73,11 +73,11 @@ def main() -> None:
     with style():
         figure = new_figure(150, 60)
         axes = figure.subplots()
-        for words, gain in (("without", 0.0), ("active yaw damper", GAIN)):
+        for label, gain in (("without", 0.0), ("active yaw damper", GAIN)):
             yaw = yaw_of(folder, description, gain)
             frequency, part = damping(yaw)
-            print(f"{words}: {frequency:.2f} Hz, {100 * part:.1f} % of critical damping")
-            axes.plot(STEP * (1 + np.arange(len(yaw))), 1e3 * yaw, label=words)
+            print(f"{label}: {frequency:.2f} Hz, {100 * part:.1f} % of critical damping")
+            axes.plot(STEP * (1 + np.arange(len(yaw))), 1e3 * yaw, label=label)
         axes.set_xlabel("time, s")
         axes.set_ylabel("yaw of the front frame, mrad")
         axes.legend()

@@ -11,5 +11,5 @@ from wrsim.analysis.conicity.pairs import Pairing
 from wrsim.plots.conicity import conicity_map_figure
 
 pairing = Pairing(1.36, "1:40", "none")
-found = pairing.map("wheels/S1002.toml", "rails/60E1.toml", (1430.0, 1440.0, 2.5), 0.46)
-figure = conicity_map_figure(found, found.title)
+conicities = pairing.map("wheels/S1002.toml", "rails/60E1.toml", (1430.0, 1440.0, 2.5), 0.46)
+figure = conicity_map_figure(conicities, conicities.title)

@@ -12,5 +12,5 @@ from wrsim.analysis.compare import compare_models
 from wrsim.plots.compare import values_figure
 
 scenario = load("../../scenarios/static_s1002.toml")
-found = compare_models(scenario, ["strips", "kik-piotrowski"])
-figure = values_figure(found.values, found.reference, scenario.title)
+comparison = compare_models(scenario, ["strips", "kik-piotrowski"])
+figure = values_figure(comparison.values, comparison.reference, scenario.title)

@@ -12,6 +12,6 @@ from wrsim.analysis.stationary.loops import twist_test
 from wrsim.plots.vehicle import loops_figure
 
 wagon = load_vehicle("vehicles/freight_y25.toml")
-found = twist_test(wagon)
-lines = [(f"{m.name} left", found.part, 1e-3 * found.wheel_loads[:, i, 0]) for i, m in enumerate(wagon.wheelsets[:2])]
+test = twist_test(wagon)
+lines = [(f"{m.name} left", test.part, 1e-3 * test.wheel_loads[:, i, 0]) for i, m in enumerate(wagon.wheelsets[:2])]
 figure = loops_figure(wagon.name, [("part of the full twists", "wheel load Q [kN]", lines)])
