@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wrsim.contact import records as k
 from wrsim.contact.contact_angle import contact_angles
 from wrsim.contact.model import ContactModel
-from wrsim.contact.patches import RawContacts, main_lobes, of_patches, patches_of, where_present
+from wrsim.contact.patches import RawContacts, patches_of, patches_with_main, where_present
 from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.search.locus import outline
 from wrsim.jit import Array, Records
@@ -52,10 +52,7 @@ def contact_channels(
     widening: designed gauge beyond the nominal one, (S,) or one [m]; uneven: irregularities under the wheels, to the
     left and up, (S, W, 2) or none [m].
     """
-    used = raw.used()
-    p = patches_of(used)
-    main = main_lobes(used, p)
-    channels = of_patches(used, p, main)
+    p, main, channels = patches_with_main(raw)
     if wheels[0].model.settings.temperature is None:
         del channels["temperature"]
     # main points on the profiles and in the track frame

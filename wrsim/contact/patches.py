@@ -77,10 +77,16 @@ def patches_of(raw: RawContacts) -> PatchesOf:
 
 def patch_channels(raw: RawContacts) -> dict[str, Array]:
     """Channels (sample, wheel, patch) that need no more than the kernel's results; not-a-number without a patch."""
+    p, _main, channels = patches_with_main(raw)
+    return {name: where_present(p, values, raw.patches.shape[2]) for name, values in channels.items()}
+
+
+def patches_with_main(raw: RawContacts) -> tuple[PatchesOf, Records, dict[str, Array]]:
+    """Patches, their main lobes' records (S, W, patch) and their channels, any number where there is none."""
     used = raw.used()
     p = patches_of(used)
-    channels = of_patches(used, p, main_lobes(used, p))
-    return {name: where_present(p, values, raw.patches.shape[2]) for name, values in channels.items()}
+    main = np.take_along_axis(used.patches, p.main, axis=2)
+    return p, main, _of_patches(used, p, main)
 
 
 def where_present(p: PatchesOf, values: Array, count: int) -> Array:
@@ -101,12 +107,7 @@ def _over(raw: RawContacts, p: PatchesOf, name: str) -> Array:
     return np.broadcast_to(raw.patches[name][..., None, :], p.member.shape)
 
 
-def main_lobes(raw: RawContacts, p: PatchesOf) -> Records:
-    """Records of the main lobe of every patch (S, W, patch)."""
-    return np.take_along_axis(raw.patches, p.main, axis=2)
-
-
-def of_patches(raw: RawContacts, p: PatchesOf, main: Records) -> dict[str, Array]:
+def _of_patches(raw: RawContacts, p: PatchesOf, main: Records) -> dict[str, Array]:
     """Channels (sample, wheel, patch) of patches, of which main lobes are given, and any number where there is none."""
     over, lobes = partial(_over, raw, p), raw.patches
     channels = {name: _joined(p, lobes[c]) for name, c in _SUMS.items()}

@@ -131,8 +131,8 @@ class SweptCurve:
         d = half * (self.gauge + w) + self.side * self.outward + y
         return (d, half * dw + dy, half * ddw + ddy), (self.height + z, dz, ddz)
 
-    def components(self, s: ArrayLike, order: int = 2) -> tuple[Array, ...]:
-        """(A, B, C) of p' and up to the order 2 the components of p'' in (t, n, b) at s: arrays (..., 3)."""
+    def components(self, s: ArrayLike, order: int = 2) -> Array:
+        """(A, B, C) of p', and of p'' up to the order 2, in (t, n, b) at s: (order, ..., 3)."""
         kappa = self.centre.curvature(s)
         theta, dtheta, ddtheta = self.centre.pitch_law.jet(s)
         phi, dphi, ddphi = self.roll(s)
@@ -144,7 +144,7 @@ class SweptCurve:
         a, b, e = 1.0 - d * kn - h * kb, dd - h * tau, dh + d * tau
         first = np.stack((a, b, e), axis=-1)
         if order == 1:
-            return (first,)
+            return first[None]
         dkappa = self.centre.curvature(s, 1)
         dturn = dkappa * level - kappa * dtheta * steep
         dkn = dturn * c + ddtheta * sn + dphi * kb
@@ -153,7 +153,7 @@ class SweptCurve:
         da = -(dd * kn + d * dkn + dh * kb + h * dkb)
         db, de = ddd - dh * tau - h * dtau, ddh + dd * tau + d * dtau
         second = np.stack((da - b * kn - e * kb, a * kn + db - e * tau, a * kb + b * tau + de), axis=-1)
-        return first, second
+        return np.stack((first, second))
 
     def arclength(self, s: ArrayLike) -> Array:
         """Own arclength at centre-line distance s [m]; outside of the track at unit rate."""
