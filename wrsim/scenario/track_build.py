@@ -245,8 +245,10 @@ def surfaces_of(scenario: Scenario, track: Track) -> tuple[RailSurface | None, R
             for section in read[i]:
                 place = each.at_m + section.distance
                 if not 0.0 <= place <= track.length:
-                    subject = f"its section at {section.distance:g} m lies at {place:g} m: it " * (each.rail is None)
-                    message = f"{subject}must be on the track, which is {track.length:g} m long"
+                    offender = (
+                        f"its section at {section.distance:g} m lies at {place:g} m: it " if each.rail is None else ""
+                    )
+                    message = f"{offender}must be on the track, which is {track.length:g} m long"
                     raise scenario.fault(("track", "rail_sections", i, "at_m"), message)
                 sections.append(replace(section, distance=float(curve.arclength(place))))
         with scenario.faults_at(("track", "rail_sections")):

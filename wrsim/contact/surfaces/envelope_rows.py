@@ -15,7 +15,7 @@ PLACES = 61  # at least, at which a contact is looked for before it is found to 
 FALL = 3.0  # slope with which a piece falls off behind its ends
 LONGEST = 0.03  # half length of contact [m]
 BESIDE = 1e-4  # half the distance of rows [m]
-ENVELOPE = ("u", "w", "tu", "tw", "ahead", "slope", "bend", "bend_deep", "lean", "within_reach")
+ENVELOPE = ("u", "w", "tu", "tw", "ahead", "slope", "bend", "bend_deep", "lean", "within_reach")  # of `envelope_rows`
 WITHIN_REACH = len(ENVELOPE) - 1
 LONGEST_LOOP = 100  # rows that run backwards where two branches cross
 
@@ -192,7 +192,7 @@ def envelope_rows(
         envelope[5] = (at.tu * at.dw - at.tw * at.du) / at.da
         for k in range(2):
             envelope[6 + k], lean = _mean_bend(c, knots, ends, row, s, x, DEPTHS[k], radius, i, heading, at)
-        envelope[8], envelope[9] = lean / DEPTHS[1], within_reach
+        envelope[8], envelope[WITHIN_REACH] = lean / DEPTHS[1], within_reach
 
 
 @kernel
